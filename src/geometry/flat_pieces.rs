@@ -120,6 +120,9 @@ fn convex_hull(mut points: Vec<Vector2>) -> Vec<Vector2> {
     hull
 }
 
+/// An edge of a polygon of less than this share of its perimeter has no direction.
+const NO_EDGE: f64 = 1e-9;
+
 /// The least width of a convex polygon: one of the two lines goes along an edge, and the other through the corner farthest from it, which goes on around
 /// the polygon as the edge does (M. E. Houle and G. T. Toussaint, IEEE Trans. Pattern Anal. Mach. Intell. 10, 761, 1988). 0 for fewer than three corners.
 fn least_width(hull: &[Vector2]) -> f64 {
@@ -127,20 +130,30 @@ fn least_width(hull: &[Vector2]) -> f64 {
     if count < 3 {
         return 0.0;
     }
-    let mut farthest = 1;
+    let edge = |k: usize| [hull[k], hull[(k + 1) % count]];
+    let lengths = (0..count).map(|k| edge(k)).map(|[a, b]| length(b - a));
+    let least = NO_EDGE * lengths.sum::<f64>();
+    let height = |[a, b]: [Vector2; 2], m: usize| turn(a, b, hull[m % count]);
+    let mut farthest = None;
     (0..count)
-        .map(|k| {
-            let (a, b) = (hull[k], hull[(k + 1) % count]);
-            let height = |m: usize| turn(a, b, hull[m % count]);
+        .map(edge)
+        .filter(|&[a, b]| length(b - a) > least)
+        .map(|own| {
+            // Of the first edge all are compared: from one end of it on, corners that are on a line with it but for rounding would seem to be farthest.
+            let mut far = farthest.unwrap_or_else(|| {
+                let higher = |m: &usize, n: &usize| height(own, *m).total_cmp(&height(own, *n));
+                (0..count).max_by(higher).unwrap_or(0)
+            });
             // At most once around: for rounding.
             for _ in 0..count {
-                if height(farthest + 1) > height(farthest) {
-                    farthest = (farthest + 1) % count;
+                if height(own, far + 1) > height(own, far) {
+                    far = (far + 1) % count;
                 } else {
                     break;
                 }
             }
-            height(farthest) / length(b - a)
+            farthest = Some(far);
+            height(own, far) / length(own[1] - own[0])
         })
         .fold(f64::INFINITY, f64::min)
 }
@@ -179,6 +192,27 @@ mod tests {
         assert_eq!(least_width(&convex_hull(vec![at(0.0, 0.0); 5])), 0.0);
         let line = (0..5).map(|k| at(f64::from(k), 2.0 * f64::from(k)));
         assert_eq!(least_width(&convex_hull(line.collect())), 0.0);
+    }
+
+    /// A triangle with corners on its sides that are off by rounding, and some twice.
+    #[test]
+    fn corners_on_the_sides_of_a_convex_hull_are_none() {
+        let mut random = Random::new(4);
+        for case in 0..2000 {
+            let [a, b, c] =
+                [0; 3].map(|_| at(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0)));
+            let expected = least_width(&convex_hull(vec![a, b, c]));
+            let mut points = vec![a, b, c];
+            for (a, b) in [(a, b), (b, c), (c, a)] {
+                for _ in 0..case % 7 {
+                    let between = a + (b - a) * random.uniform(0.0, 1.0);
+                    points.push(between);
+                    points.push(between * (1.0 + f64::EPSILON));
+                }
+            }
+            let found = least_width(&convex_hull(points));
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
+        }
     }
 
     /// A strip 0.3 wide in many triangles, which bends by 10 degrees, with a square beside the bend.

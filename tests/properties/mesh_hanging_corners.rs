@@ -118,9 +118,14 @@ fn unevenly_divided(stream: &mut Stream, wall: &[Triangle]) -> Vec<Triangle> {
         .collect()
 }
 
+/// Of corners on one side, how near they may be to each other, as a part of its length: from nearer ones on to a corner opposite go needles, which the
+/// search leaves out or sees as an edge.
+const APART: f64 = 0.01;
+
 /// Some triangles cut from their longest side, near its middle, to the corner opposite, some of the parts again, and so on.
 fn cut_anywhere(stream: &mut Stream, wall: &[Triangle]) -> Vec<Triangle> {
     let mut left: Vec<(Triangle, u32)> = wall.iter().map(|t| (*t, 0)).collect();
+    let mut corners: Vec<Vector3> = wall.iter().flatten().copied().collect();
     let mut all = Vec::new();
     while let Some((t, cuts)) = left.pop() {
         if cuts == 4 || stream.uniform(0.0, 1.0) < 0.4 {
@@ -130,7 +135,16 @@ fn cut_anywhere(stream: &mut Stream, wall: &[Triangle]) -> Vec<Triangle> {
         let length = |m: &usize| (t[(m + 2) % 3] - t[(m + 1) % 3]).norm();
         let longest = (0..3).max_by(|m, n| length(m).total_cmp(&length(n)));
         let [a, b, c] = [0, 1, 2].map(|m| t[(longest.expect("three sides") + m) % 3]);
-        let between = b + (c - b) * stream.uniform(0.35, 0.65);
+        let least = APART * (c - b).norm();
+        let is_free = |p: &Vector3| corners.iter().all(|q| (*q - *p).norm() > least);
+        let between = (0..20)
+            .map(|_| b + (c - b) * stream.uniform(0.35, 0.65))
+            .find(is_free);
+        let Some(between) = between else {
+            all.push(t);
+            continue;
+        };
+        corners.push(between);
         left.push(([a, b, between], cuts + 1));
         left.push(([a, between, c], cuts + 1));
     }
@@ -195,6 +209,9 @@ fn visit_bricks(seed: u64, mut found: impl FnMut(&Laws, &Body, &[Triangle], &[Tr
     }
 }
 
+/// Of edges at smaller angles, in radians, the corners do not always find back to their planes from single precision.
+const LEAST_FOLD: f64 = 0.002;
+
 /// All scenes: a grain, a surface, and the same with corners on sides.
 fn visit_all(seed: u64, mut found: impl FnMut(&str, &Laws, &Body, &[Triangle], &[Triangle])) {
     let law = law();
@@ -210,56 +227,100 @@ fn visit_all(seed: u64, mut found: impl FnMut(&str, &Laws, &Body, &[Triangle], &
     });
 }
 
-/// Where corners on a side are close to each other, parts of a triangle are needles, and at the tips of these the plane of a steep face can go on where it
-/// should not: in 1 % of the surfaces that are cut anywhere, at most.
-#[test]
-fn corners_on_sides_of_other_triangles_change_nothing() {
-    let (mut worst, mut count) = (0.0f64, 0);
-    let (mut cut, mut at_needles) = (0, 0);
-    visit_all(101, |kind, laws, b, wall, finer| {
-        let [mesh, lent] = on_surface(laws, b, wall);
-        // 0 where the grain only comes near.
-        let apart = (mesh.force - lent.force).norm();
-        assert!(apart <= 1e-12 * mesh.force.norm());
-        for own in on_surface(laws, b, finer) {
-            let own = difference(&own, &mesh);
-            count += 1;
-            cut += usize::from(kind == "cut anywhere");
-            if own > 1e-9 {
-                println!("{own:.1e} {kind}");
-                assert_eq!(kind, "cut anywhere");
-                at_needles += 1;
-            } else {
-                worst = worst.max(own);
-            }
-        }
+/// Whether the force on a surface changes at once where the grain goes up or down by so much, as it may where more than three wide triangles meet at a
+/// corner, with convex and concave edges: there rounding decides.
+fn is_at_jump(laws: &Laws, b: &Body, wall: &[Triangle], by: f64) -> bool {
+    let [below, above] = [-by, by].map(|by| {
+        let mut moved = *b;
+        moved.position[2] += by;
+        let [mesh, _] = on_surface(laws, &moved, wall);
+        mesh
     });
-    println!("{count} divisions change the force by up to {worst:.1e} of it, and {at_needles} of {cut} by more");
-    assert!(100 * at_needles <= cut, "{at_needles} of {cut}");
+    difference(&below, &above) > 1e-3
 }
 
-/// The undivided surface has the corners where the reading of the file has put them.
+#[test]
+fn corners_on_sides_of_other_triangles_change_nothing() {
+    let (mut worst, mut count, mut jumps) = (0.0f64, 0, 0);
+    for seed in [101, 201, 301, 401, 501, 601] {
+        visit_all(seed, |kind, laws, b, wall, finer| {
+            if is_at_jump(laws, b, wall, 1e-9) {
+                jumps += 1;
+                return;
+            }
+            let [mesh, lent] = on_surface(laws, b, wall);
+            // 0 where the grain only comes near.
+            let apart = (mesh.force - lent.force).norm();
+            assert!(apart <= 1e-12 * mesh.force.norm());
+            for own in on_surface(laws, b, finer) {
+                let own = difference(&own, &mesh);
+                if own > 1e-9 {
+                    println!("{own:.1e} {kind}");
+                }
+                worst = worst.max(own);
+                count += 1;
+            }
+        });
+    }
+    println!(
+        "{count} divisions change the force by up to {worst:.1e} of it; {jumps} others at jumps"
+    );
+    assert!(worst < 1e-9 && 50 * jumps < count, "{worst} {jumps}");
+}
+
+/// The least angle of edges at which two triangles meet.
+fn least_fold(wall: &[Triangle]) -> f64 {
+    let normal = |t: &Triangle| (t[1] - t[0]).cross(t[2] - t[0]).normalised();
+    let mut least = f64::INFINITY;
+    for (k, t) in wall.iter().enumerate() {
+        for q in &wall[..k] {
+            let sine = normal(t).cross(normal(q)).norm();
+            if t.iter().filter(|p| q.contains(p)).count() == 2 && sine > 1e-6 {
+                least = least.min(sine);
+            }
+        }
+    }
+    least
+}
+
+/// The undivided surface has the corners where the reading of the file has put them. Those of planes that meet at small angles go far, and such as would go
+/// farther than a twentieth of an edge stay where they were and leave their planes uneven.
 #[test]
 fn nor_in_the_single_precision_of_a_file() {
     let (mut worst, mut count, mut farthest) = (0.0f64, 0, 0.0f64);
-    visit_all(103, |kind, laws, b, wall, finer| {
-        let mut read = in_single_precision(finer);
-        farthest = farthest.max(flatten_triangles(&mut read).expect("corners in range"));
-        let place = |p: Vector3| {
-            let mut all = finer.iter().flatten().zip(read.iter().flatten());
-            *all.find(|(given, _)| **given == p).expect("a corner").1
-        };
-        let whole: Vec<Triangle> = wall.iter().map(|t| t.map(place)).collect();
-        let [expected, _] = on_surface(laws, b, &whole);
-        for own in on_surface(laws, b, &read) {
-            let own = difference(&own, &expected);
-            if own > 1e-5 {
-                println!("{own:.1e} {kind}");
+    let (mut jumps, mut flat) = (0, 0);
+    for seed in [101, 103, 201, 301, 401, 501, 601] {
+        visit_all(seed, |kind, laws, b, wall, finer| {
+            if least_fold(wall) < LEAST_FOLD {
+                flat += 1;
+                return;
             }
-            worst = worst.max(own);
-            count += 1;
-        }
-    });
-    println!("{count} divisions change the force by up to {worst:.1e} of it, corners moved by {farthest:.1e}");
-    assert!(worst < 1e-5, "{worst}");
+            let mut read = in_single_precision(finer);
+            let moved = flatten_triangles(&mut read).expect("corners in range");
+            farthest = farthest.max(moved);
+            let place = |p: Vector3| {
+                let mut all = finer.iter().flatten().zip(read.iter().flatten());
+                *all.find(|(given, _)| **given == p).expect("a corner").1
+            };
+            let whole: Vec<Triangle> = wall.iter().map(|t| t.map(place)).collect();
+            if is_at_jump(laws, b, &whole, 1e-7) {
+                jumps += 1;
+                return;
+            }
+            let [expected, _] = on_surface(laws, b, &whole);
+            for own in on_surface(laws, b, &read) {
+                let own = difference(&own, &expected);
+                if own > 1e-5 {
+                    println!("{own:.1e} {kind}");
+                }
+                worst = worst.max(own);
+                count += 1;
+            }
+        });
+    }
+    println!(
+        "{count} divisions change the force by up to {worst:.1e} of it, corners moved by {farthest:.1e}; {jumps} others at jumps, {flat} with edges of \
+         less than {LEAST_FOLD}"
+    );
+    assert!(worst < 1e-5 && 50 * jumps < count, "{worst} {jumps}");
 }
