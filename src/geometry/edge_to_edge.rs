@@ -2,6 +2,7 @@
 //! Into which triangles must those of a surface be divided so that all of them meet edge to edge? Where corners of some lie on sides of others, as many
 //! programs write meshes, the search for contacts would not see that an edge is one: there a triangle is divided from such corners to those opposite to them.
 
+use super::flat_pieces;
 use super::shared_edges::{Hanging, Margin, SharedEdges};
 use super::triangle::Triangle;
 use super::triangle_places::SAME_PLANE;
@@ -35,6 +36,11 @@ impl Part {
 pub(crate) fn parts(triangles: &[Triangle]) -> Option<Vec<Part>> {
     let surface = SharedEdges::new(triangles);
     let hanging = surface.hanging(ON_SIDE);
+    parts_of(&surface, &hanging)
+}
+
+/// The same of a surface with these corners on sides of its triangles.
+fn parts_of(surface: &SharedEdges, hanging: &[Hanging]) -> Option<Vec<Part>> {
     if hanging.is_empty() {
         return None;
     }
@@ -42,8 +48,8 @@ pub(crate) fn parts(triangles: &[Triangle]) -> Option<Vec<Part>> {
     for (k, corner) in surface.triangles.as_flattened().iter().enumerate() {
         first[*corner] = k;
     }
-    let mut all = Vec::with_capacity(triangles.len() + hanging.len());
-    let mut rest = &hanging[..];
+    let mut all = Vec::with_capacity(surface.triangles.len() + hanging.len());
+    let mut rest = hanging;
     for (of, own) in surface.triangles.iter().enumerate() {
         let (here, others) = rest.split_at(rest.partition_point(|h| h.triangle == of));
         rest = others;
@@ -53,7 +59,7 @@ pub(crate) fn parts(triangles: &[Triangle]) -> Option<Vec<Part>> {
             from += count;
             from - count..from
         });
-        divide(&surface, here, (*own, chains), |corners| {
+        divide(surface, here, (*own, chains), |corners| {
             // Its own corners, where they are that.
             let number = |c: usize| match own.iter().position(|o| *o == c) {
                 Some(m) => 3 * of + m,
@@ -66,6 +72,15 @@ pub(crate) fn parts(triangles: &[Triangle]) -> Option<Vec<Part>> {
         });
     }
     Some(all)
+}
+
+/// Both [`parts`] and the widths of [`flat_pieces`].
+pub(crate) fn parts_and_widths(triangles: &[Triangle]) -> (Option<Vec<Part>>, Vec<f64>) {
+    let mut surface = SharedEdges::new(triangles);
+    let hanging = surface.hanging(ON_SIDE);
+    let parts = parts_of(&surface, &hanging);
+    surface.cut(&hanging);
+    (parts, flat_pieces::widths_of(triangles, &surface))
 }
 
 /// Divides a triangle with corners on its sides, which are those of the ranges, from one near the middle of its longest side that has some to the corner

@@ -14,6 +14,11 @@ pub(crate) fn widths(triangles: &[Triangle]) -> Vec<f64> {
     let mut surface = SharedEdges::new(triangles);
     let hanging = surface.hanging(ON_SIDE);
     surface.cut(&hanging);
+    widths_of(triangles, &surface)
+}
+
+/// The same of triangles of a surface whose sides are cut where corners are on them.
+pub(crate) fn widths_of(triangles: &[Triangle], surface: &SharedEdges) -> Vec<f64> {
     let normals: Vec<Option<Vector3>> = triangles.iter().map(normal).collect();
     let mut pieces = Pieces::new(triangles.len());
     for sides in surface.edges() {

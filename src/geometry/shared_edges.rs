@@ -116,9 +116,10 @@ impl SharedEdges {
             let (across, longest) = across(&self.triangles[t].map(place));
             across.norm_squared().sqrt() > margin.in_plane(longest.sqrt()) * longest.sqrt()
         };
+        let is_wide: Vec<bool> = (0..self.triangles.len()).map(is_wide).collect();
         let mut open: Vec<Side> = Vec::new();
         for sides in self.edges() {
-            let mut wide = sides.iter().filter(|side| is_wide(side.triangle));
+            let mut wide = sides.iter().filter(|side| is_wide[side.triangle]);
             if let (Some(side), None) = (wide.next(), wide.next()) {
                 open.push(*side);
             }

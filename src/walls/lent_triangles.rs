@@ -11,6 +11,7 @@ use crate::geometry::flat_pieces;
 use crate::geometry::triangles::{barycentric_weights, Triangle};
 use crate::message::Numbers;
 use crate::vector::Vector3;
+use core::ops::Range;
 use std::sync::OnceLock;
 
 /// The triangles of a step. Its memory is kept from step to step.
@@ -26,6 +27,8 @@ pub struct LentTriangles {
     near: Vec<u32>,
     /// Found when a particle first asks; kept while the triangles move as one body.
     surface: OnceLock<Surface>,
+    /// Of those in which the lists stayed as they were.
+    step: usize,
 }
 
 /// How the triangles are one surface.
@@ -49,10 +52,16 @@ struct Parts {
 /// By this share of its largest one the sizes of a triangle may change by rounding.
 const ROUNDING: f64 = 1e-9;
 
+/// In so many steps in which the lists are the same all triangles are looked at, each once: an engine that gives others makes other lists, and what remains
+/// is a mesh that changes its shape little by little.
+const STEPS: usize = 32;
+
 /// The squares of the sides of a triangle, and of the way to it from the one before.
-fn sizes(corners: &[Triangle]) -> impl Iterator<Item = [f64; 4]> + '_ {
-    let mut last = corners.first().map_or(Vector3::ZERO, |t| t[0]);
-    corners.iter().map(move |&[a, b, c]| {
+fn sizes(corners: &[Triangle], of: Range<usize>) -> impl Iterator<Item = [f64; 4]> + '_ {
+    let mut last = corners
+        .get(of.start.max(1) - 1)
+        .map_or(Vector3::ZERO, |t| t[0]);
+    corners[of].iter().map(move |&[a, b, c]| {
         let ways = [b - a, c - b, a - c, a - last];
         last = a;
         ways.map(Vector3::norm_squared)
@@ -69,19 +78,21 @@ impl Surface {
             }
         });
         Surface {
-            sizes: sizes(corners).collect(),
+            sizes: sizes(corners, 0..corners.len()).collect(),
             parts,
             widths: OnceLock::new(),
         }
     }
 
-    fn is_of(&self, corners: &[Triangle]) -> bool {
+    /// Whether these may be the same triangles after a motion, as far as the sizes of some of them tell.
+    fn is_of(&self, corners: &[Triangle], some: Range<usize>) -> bool {
         let equal = |own: &[f64; 4], other: [f64; 4]| {
             let largest = own.iter().fold(0.0f64, |m, x| m.max(*x));
             (own.iter().zip(other)).all(|(x, y)| (x - y).abs() <= ROUNDING * largest)
         };
         self.sizes.len() == corners.len()
-            && (self.sizes.iter().zip(sizes(corners))).all(|(own, other)| equal(own, other))
+            && (self.sizes[some.clone()].iter().zip(sizes(corners, some)))
+                .all(|(own, other)| equal(own, other))
     }
 }
 
@@ -112,19 +123,34 @@ impl LentTriangles {
         own_velocities.extend(velocities);
         own_changes.clear();
         own_changes.extend(changes);
-        self.starts.clear();
-        self.starts.extend_from_slice(starts);
-        self.near.clear();
-        self.near.extend_from_slice(near);
+        let lists_stay = self.starts == starts && self.near == near;
+        if !lists_stay {
+            self.starts.clear();
+            self.starts.extend_from_slice(starts);
+            self.near.clear();
+            self.near.extend_from_slice(near);
+        }
         let checked = self.check();
+        let some = self.looked_at(lists_stay);
         let surface = self.surface.get();
-        if surface.is_some_and(|s| checked.is_err() || !s.is_of(&self.corners)) {
+        if surface.is_some_and(|s| checked.is_err() || !s.is_of(&self.corners, some)) {
             self.surface.take();
         }
         if checked.is_err() {
             self.starts.clear();
         }
         checked
+    }
+
+    /// Which triangles are compared with those before: all, or some where the lists are the same.
+    fn looked_at(&mut self, lists_stay: bool) -> Range<usize> {
+        let count = self.corners.len();
+        if !lists_stay {
+            return 0..count;
+        }
+        self.step = (self.step + 1) % STEPS;
+        let [from, to] = [self.step, self.step + 1].map(|step| count * step / STEPS);
+        from..to
     }
 
     fn check(&self) -> Result<(), String> {
@@ -208,5 +234,101 @@ impl Shape for LentTriangles {
         touch_near(grain, corners, width, search, &mut |surface, part| {
             found(surface, parts.all[part].of);
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::Mesh;
+    use super::*;
+    use crate::geometry::Ellipsoid;
+    use core::iter::empty;
+
+    /// A square with a corner in the middle of the longest side of its first triangle, bent along that side.
+    fn bent() -> [Triangle; 3] {
+        let at = |x: f64, y: f64| Vector3::new(x, y, 0.1 * x.max(0.0));
+        [
+            [at(0.0, -2.0), at(0.0, 2.0), at(-3.0, 0.0)],
+            [at(0.0, -2.0), at(3.0, 0.0), at(0.0, 0.0)],
+            [at(0.0, 0.0), at(3.0, 0.0), at(0.0, 2.0)],
+        ]
+    }
+
+    /// The triangle that a ball of radius 1 touches deepest that is a hundredth deep at a place.
+    fn touched(shape: &dyn Shape, x: f64, y: f64) -> usize {
+        let body = Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        let normal = Vector3::new(if x > 0.0 { -0.1 } else { 0.0 }, 0.0, 1.0).normalised();
+        let grain = Grain {
+            particle: 0,
+            body: &body,
+            centre: Vector3::new(x, y, 0.1 * x.max(0.0)) + normal * 0.99,
+        };
+        let mut all = Vec::new();
+        shape.touch(&grain, &mut Search::default(), &mut |surface, triangle| {
+            all.push((surface.point, triangle));
+        });
+        assert!(!all.is_empty());
+        all[0].1
+    }
+
+    fn set(lent: &mut LentTriangles, all: &[Triangle], lists: (&[usize], &[u32])) {
+        let all = all.iter().copied();
+        lent.set(all, empty(), empty(), lists.0, lists.1).unwrap();
+    }
+
+    const PLACES: [(f64, f64, usize); 4] = [
+        (-1.0, 0.3, 0),
+        (-1.0, -0.3, 0),
+        (1.0, -0.3, 1),
+        (1.0, 0.3, 2),
+    ];
+
+    #[test]
+    fn contacts_are_with_the_triangles_that_were_given() {
+        let mesh = Mesh::new(bent().to_vec()).unwrap();
+        assert_eq!(Shape::triangles(&mesh), bent());
+        assert_eq!(mesh.triangle_count(), 3);
+        assert_eq!(mesh.triangles.len(), 4);
+        let mut lent = LentTriangles::default();
+        set(&mut lent, &bent(), (&[0, 3], &[0, 1, 2]));
+        for (x, y, expected) in PLACES {
+            assert_eq!(touched(&mesh, x, y), expected);
+            assert_eq!(touched(&lent, x, y), expected);
+        }
+    }
+
+    /// At once where the lists are others, and within `STEPS` where they are not.
+    #[test]
+    fn other_triangles_are_divided_anew() {
+        let [a, b, c] = bent();
+        for (order, names, steps) in [([2, 0, 1], [1, 2, 0], STEPS), ([1, 2, 0], [2, 0, 1], 1)] {
+            let mut lent = LentTriangles::default();
+            set(&mut lent, &[a, b, c], (&[0, 3], &[0, 1, 2]));
+            touched(&lent, 1.0, 0.3);
+            assert!(lent.surface.get().is_some());
+            let others: [Triangle; 3] = order.map(|k: usize| bent()[k]);
+            let near: &[u32] = if steps == 1 { &[2, 1, 0] } else { &[0, 1, 2] };
+            for _ in 0..steps {
+                set(&mut lent, &others, (&[0, 3], near));
+            }
+            for (x, y, expected) in PLACES {
+                assert_eq!(touched(&lent, x, y), names[expected]);
+            }
+        }
+        // And those that only move stay as they are.
+        let mut lent = LentTriangles::default();
+        set(&mut lent, &[a, b, c], (&[0, 3], &[0, 1, 2]));
+        touched(&lent, 1.0, 0.3);
+        for step in 0..3 * STEPS {
+            let by = Vector3::new(0.1, 0.2, -0.3) * step as f64;
+            let near: &[u32] = if step % 5 == 0 {
+                &[2, 1, 0]
+            } else {
+                &[0, 1, 2]
+            };
+            let moved = bent().map(|t| t.map(|p| p + by));
+            set(&mut lent, &moved, (&[0, 3], near));
+            assert!(lent.surface.get().is_some());
+        }
     }
 }

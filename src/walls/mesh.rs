@@ -6,10 +6,10 @@ use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeInLanes};
 use super::triangle_contacts::{place_of, surface};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::geometry::box_tree::{BoxTree, Extent};
+use crate::geometry::edge_to_edge;
 use crate::geometry::rounded_corners;
 use crate::geometry::triangles::Triangle;
 use crate::geometry::Plane;
-use crate::geometry::{edge_to_edge, flat_pieces};
 use crate::message::Numbers;
 use crate::vector::Vector3;
 
@@ -49,8 +49,8 @@ impl Mesh {
             return Err("the mesh has no triangles".into());
         }
         check_corners(&triangles)?;
-        let widths = flat_pieces::widths(&triangles);
-        let (triangles, widths, whole) = match edge_to_edge::parts(&triangles) {
+        let (parts, widths) = edge_to_edge::parts_and_widths(&triangles);
+        let (triangles, widths, whole) = match parts {
             None => (triangles, widths, None),
             Some(parts) => {
                 let corners = parts.iter().map(|p| p.of_triangles(&triangles)).collect();
