@@ -136,7 +136,7 @@ fn least_width(hull: &[Vector2]) -> f64 {
         return 0.0;
     }
     let edge = |k: usize| [hull[k], hull[(k + 1) % count]];
-    let lengths = (0..count).map(|k| edge(k)).map(|[a, b]| length(b - a));
+    let lengths = (0..count).map(edge).map(|[a, b]| length(b - a));
     let least = NO_EDGE * lengths.sum::<f64>();
     let height = |[a, b]: [Vector2; 2], m: usize| turn(a, b, hull[m % count]);
     let mut farthest = None;

@@ -317,7 +317,7 @@ impl<M: Lists> TriangleSearch<M> {
         let places = &self.places;
         self.covered.set_all(places.near.len(), NOTHING);
         self.of_plane.set_all(places.near.len(), NOTHING);
-        for (k, t) in places.near.iter().enumerate() {
+        for t in places.near.iter() {
             let support = body.support(-t.normal);
             let penetration = support.h - t.distance;
             if !(penetration > 0.0 && t.is_in_section(body, &support, penetration)) {

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! A hilly floor of triangles, each a flat piece, with convex and concave edges, and the same floor in many more triangles, which meet edge to edge or not.
 
+// Each test target takes what it needs.
+#![allow(dead_code)]
+
 pub type Triangle = [[f64; 3]; 3];
 
 /// Squares of this size about the origin, each of two triangles, so many in a row, with corners that are up to twice this height off the plane z = 0.
