@@ -228,12 +228,7 @@ mod tests {
             assert_eq!(beside(at(0.3, 0.0, 1e-9), closed), Some(count));
             assert_eq!(beside(at(0.3, 5e-7, 1e-7), closed), Some(count));
         }
-        for off in [
-            at(0.3, 0.0, 1e-8),
-            at(0.3, 1e-5, 2e-6),
-            at(5e-7, 0.0, 0.0),
-            at(1.2, 0.0, 0.0),
-        ] {
+        for off in [at(0.3, 0.0, 1e-8), at(0.3, 1e-5, 2e-6), at(5e-7, 0.0, 0.0)] {
             assert_eq!(beside(off, false), None, "{off:?}");
         }
     }

@@ -101,8 +101,30 @@ fn length(way: Vector2) -> f64 {
     way.dot(way).sqrt()
 }
 
-/// The corners of the convex hull of points, counterclockwise (A. M. Andrew, Inf. Process. Lett. 9, 216, 1979).
+/// Bits of the whole numbers that [`on_grid`] makes of points: products of two have no more than a number has, and [`turn`] is exact.
+const GRID_BITS: f64 = 25.0;
+
+/// Points on a grid of 3e-8 of the largest way between two. Corners that are on one line or equal but for rounding would make hulls of any shape.
+fn on_grid(points: &mut [Vector2]) {
+    let Some(&origin) = points.first() else {
+        return;
+    };
+    let way = |p: &Vector2| (p.u - origin.u).abs().max((p.v - origin.v).abs());
+    let largest = points.iter().map(way).fold(0.0, f64::max);
+    let step = (largest.log2().ceil() - GRID_BITS).exp2();
+    if !(step > 0.0 && step.is_finite()) {
+        return;
+    }
+    for p in points {
+        // Adding 0 makes one zero of both.
+        let [u, v] = [p.u - origin.u, p.v - origin.v].map(|x| (x / step).round() * step + 0.0);
+        *p = Vector2 { u, v };
+    }
+}
+
+/// The corners of the convex hull of points, moved to a grid, counterclockwise (A. M. Andrew, Inf. Process. Lett. 9, 216, 1979).
 fn convex_hull(mut points: Vec<Vector2>) -> Vec<Vector2> {
+    on_grid(&mut points);
     points.sort_unstable_by(|p, q| p.u.total_cmp(&q.u).then(p.v.total_cmp(&q.v)));
     points.dedup();
     let mut hull: Vec<Vector2> = Vec::new();
@@ -125,9 +147,6 @@ fn convex_hull(mut points: Vec<Vector2>) -> Vec<Vector2> {
     hull
 }
 
-/// An edge of a polygon of less than this share of its perimeter has no direction.
-const NO_EDGE: f64 = 1e-9;
-
 /// The least width of a convex polygon: one of the two lines goes along an edge, and the other through the corner farthest from it, which goes on around
 /// the polygon as the edge does (M. E. Houle and G. T. Toussaint, IEEE Trans. Pattern Anal. Mach. Intell. 10, 761, 1988). 0 for fewer than three corners.
 fn least_width(hull: &[Vector2]) -> f64 {
@@ -136,29 +155,20 @@ fn least_width(hull: &[Vector2]) -> f64 {
         return 0.0;
     }
     let edge = |k: usize| [hull[k], hull[(k + 1) % count]];
-    let lengths = (0..count).map(edge).map(|[a, b]| length(b - a));
-    let least = NO_EDGE * lengths.sum::<f64>();
     let height = |[a, b]: [Vector2; 2], m: usize| turn(a, b, hull[m % count]);
-    let mut farthest = None;
+    let mut farthest = 1;
     (0..count)
-        .map(edge)
-        .filter(|&[a, b]| length(b - a) > least)
-        .map(|own| {
-            // Of the first edge all are compared: from one end of it on, corners that are on a line with it but for rounding would seem to be farthest.
-            let mut far = farthest.unwrap_or_else(|| {
-                let higher = |m: &usize, n: &usize| height(own, *m).total_cmp(&height(own, *n));
-                (0..count).max_by(higher).unwrap_or(0)
-            });
+        .map(|k| {
+            let own = edge(k);
             // At most once around: for rounding.
             for _ in 0..count {
-                if height(own, far + 1) > height(own, far) {
-                    far = (far + 1) % count;
+                if height(own, farthest + 1) > height(own, farthest) {
+                    farthest = (farthest + 1) % count;
                 } else {
                     break;
                 }
             }
-            farthest = Some(far);
-            height(own, far) / length(own[1] - own[0])
+            height(own, farthest) / length(own[1] - own[0])
         })
         .fold(f64::INFINITY, f64::min)
 }
@@ -192,7 +202,7 @@ mod tests {
                     expected = expected.min(high - low);
                 }
             }
-            assert!((found - expected).abs() < 1e-12, "{found} {expected}");
+            assert!((found - expected).abs() < 1e-6, "{found} {expected}");
         }
         assert_eq!(least_width(&convex_hull(vec![at(0.0, 0.0); 5])), 0.0);
         let line = (0..5).map(|k| at(f64::from(k), 2.0 * f64::from(k)));
@@ -248,7 +258,7 @@ mod tests {
         let widths = widths(&triangles);
         for (k, width) in widths.iter().enumerate() {
             let expected = if k < 64 { 0.3 } else { 1.0 };
-            assert!((width - expected).abs() < 1e-11, "{k} {width}");
+            assert!((width - expected).abs() < 1e-6, "{k} {width}");
         }
     }
 
