@@ -11,7 +11,6 @@ use crate::geometry::flat_pieces;
 use crate::geometry::triangles::{barycentric_weights, Triangle};
 use crate::message::Numbers;
 use crate::vector::Vector3;
-use core::ops::Range;
 use std::sync::OnceLock;
 
 /// The triangles of a step. Its memory is kept from step to step.
@@ -27,8 +26,6 @@ pub struct LentTriangles {
     near: Vec<u32>,
     /// Found when a particle first asks; kept while the triangles move as one body.
     surface: OnceLock<Surface>,
-    /// Of those in which the lists stayed as they were.
-    step: usize,
 }
 
 /// How the triangles are one surface.
@@ -52,16 +49,10 @@ struct Parts {
 /// By this share of its largest one the sizes of a triangle may change by rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// In so many steps in which the lists are the same all triangles are looked at, each once: an engine that gives others makes other lists, and what remains
-/// is a mesh that changes its shape little by little.
-const STEPS: usize = 32;
-
 /// The squares of the sides of a triangle, and of the way to it from the one before.
-fn sizes(corners: &[Triangle], of: Range<usize>) -> impl Iterator<Item = [f64; 4]> + '_ {
-    let mut last = corners
-        .get(of.start.max(1) - 1)
-        .map_or(Vector3::ZERO, |t| t[0]);
-    corners[of].iter().map(move |&[a, b, c]| {
+fn sizes(corners: &[Triangle]) -> impl Iterator<Item = [f64; 4]> + '_ {
+    let mut last = corners.first().map_or(Vector3::ZERO, |t| t[0]);
+    corners.iter().map(move |&[a, b, c]| {
         let ways = [b - a, c - b, a - c, a - last];
         last = a;
         ways.map(Vector3::norm_squared)
@@ -78,21 +69,20 @@ impl Surface {
             }
         });
         Surface {
-            sizes: sizes(corners, 0..corners.len()).collect(),
+            sizes: sizes(corners).collect(),
             parts,
             widths: OnceLock::new(),
         }
     }
 
-    /// Whether these may be the same triangles after a motion, as far as the sizes of some of them tell.
-    fn is_of(&self, corners: &[Triangle], some: Range<usize>) -> bool {
+    /// Whether these are the same triangles after a motion of all.
+    fn is_of(&self, corners: &[Triangle]) -> bool {
         let equal = |own: &[f64; 4], other: [f64; 4]| {
             let largest = own.iter().fold(0.0f64, |m, x| m.max(*x));
             (own.iter().zip(other)).all(|(x, y)| (x - y).abs() <= ROUNDING * largest)
         };
         self.sizes.len() == corners.len()
-            && (self.sizes[some.clone()].iter().zip(sizes(corners, some)))
-                .all(|(own, other)| equal(own, other))
+            && (self.sizes.iter().zip(sizes(corners))).all(|(own, other)| equal(own, other))
     }
 }
 
@@ -123,34 +113,19 @@ impl LentTriangles {
         own_velocities.extend(velocities);
         own_changes.clear();
         own_changes.extend(changes);
-        let lists_stay = self.starts == starts && self.near == near;
-        if !lists_stay {
-            self.starts.clear();
-            self.starts.extend_from_slice(starts);
-            self.near.clear();
-            self.near.extend_from_slice(near);
-        }
+        self.starts.clear();
+        self.starts.extend_from_slice(starts);
+        self.near.clear();
+        self.near.extend_from_slice(near);
         let checked = self.check();
-        let some = self.looked_at(lists_stay);
         let surface = self.surface.get();
-        if surface.is_some_and(|s| checked.is_err() || !s.is_of(&self.corners, some)) {
+        if surface.is_some_and(|s| checked.is_err() || !s.is_of(&self.corners)) {
             self.surface.take();
         }
         if checked.is_err() {
             self.starts.clear();
         }
         checked
-    }
-
-    /// Which triangles are compared with those before: all, or some where the lists are the same.
-    fn looked_at(&mut self, lists_stay: bool) -> Range<usize> {
-        let count = self.corners.len();
-        if !lists_stay {
-            return 0..count;
-        }
-        self.step = (self.step + 1) % STEPS;
-        let [from, to] = [self.step, self.step + 1].map(|step| count * step / STEPS);
-        from..to
     }
 
     fn check(&self) -> Result<(), String> {
@@ -297,20 +272,17 @@ mod tests {
         }
     }
 
-    /// At once where the lists are others, and within `STEPS` where they are not.
+    /// At once, also where the lists stay as they are.
     #[test]
     fn other_triangles_are_divided_anew() {
         let [a, b, c] = bent();
-        for (order, names, steps) in [([2, 0, 1], [1, 2, 0], STEPS), ([1, 2, 0], [2, 0, 1], 1)] {
+        for (order, names) in [([2, 0, 1], [1, 2, 0]), ([1, 2, 0], [2, 0, 1])] {
             let mut lent = LentTriangles::default();
             set(&mut lent, &[a, b, c], (&[0, 3], &[0, 1, 2]));
             touched(&lent, 1.0, 0.3);
             assert!(lent.surface.get().is_some());
             let others: [Triangle; 3] = order.map(|k: usize| bent()[k]);
-            let near: &[u32] = if steps == 1 { &[2, 1, 0] } else { &[0, 1, 2] };
-            for _ in 0..steps {
-                set(&mut lent, &others, (&[0, 3], near));
-            }
+            set(&mut lent, &others, (&[0, 3], &[0, 1, 2]));
             for (x, y, expected) in PLACES {
                 assert_eq!(touched(&lent, x, y), names[expected]);
             }
@@ -319,7 +291,7 @@ mod tests {
         let mut lent = LentTriangles::default();
         set(&mut lent, &[a, b, c], (&[0, 3], &[0, 1, 2]));
         touched(&lent, 1.0, 0.3);
-        for step in 0..3 * STEPS {
+        for step in 0..100 {
             let by = Vector3::new(0.1, 0.2, -0.3) * step as f64;
             let near: &[u32] = if step % 5 == 0 {
                 &[2, 1, 0]
