@@ -9,6 +9,8 @@ pub mod contact_search;
 pub(crate) mod convex_body;
 pub(crate) mod convex_corner;
 pub mod curvature;
+#[cfg(feature = "std")]
+pub(crate) mod edge_to_edge;
 pub mod ellipsoid;
 pub mod facet_shares;
 pub(crate) mod fine_folds;

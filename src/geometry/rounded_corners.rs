@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //! Where were the corners of a surface before they were rounded? Many triangles of one plane are no longer in one plane when their corners have the seven
 //! digits of an STL file, and each edge between them is a fold. Here the flat pieces are found again, and their corners go back to where their planes
-//! meet: a corner of one piece to its plane, of two to the line in which they meet, of three to the point.
+//! meet: a corner of one piece to its plane, of two to the line in which they meet, of three to the point. A corner on a side of a triangle is one of that
+//! triangle's piece, too.
 
-use super::shared_edges::{SharedEdges, Side};
+use super::shared_edges::{Hanging, Margin, SharedEdges, Side};
 use super::triangle::Triangle;
 use crate::vector::{Tangent, Vector3};
 use std::collections::HashSet;
@@ -65,12 +66,14 @@ fn digits(x: f64) -> i32 {
     mantissa.bytes().filter(u8::is_ascii_digit).count() as i32
 }
 
-/// Moves the corners of flat pieces of two and more triangles back to their planes, where they are off by no more than `rounding`. Corners that are equal
+/// Moves the corners of flat pieces of two and more triangles, and of one that has others' corners on its sides, back to their planes, where they are off by no more than `rounding`. Corners that are equal
 /// stay equal. A corner of more than three flat pieces stays, and their planes go through it, as far as they can. The largest way that a corner moved. The
 /// time goes with `n log n`.
 pub(crate) fn flatten(triangles: &mut [Triangle], rounding: f64) -> f64 {
     let mut surface = SharedEdges::new(triangles);
-    let pieces = Pieces::find(&surface, rounding);
+    let hanging = surface.hanging(Margin::Distance(NEAR * rounding));
+    surface.cut(&hanging);
+    let pieces = Pieces::find(&surface, &hanging, rounding);
     let given = surface.corners.clone();
     let mut is_fixed = vec![false; given.len()];
     for (corner, own) in pieces.of_corners.iter().enumerate() {
@@ -231,7 +234,7 @@ struct PieceCorners {
     plane: Plane,
 }
 
-/// The flat pieces of two and more triangles.
+/// The flat pieces of more corners than those of one triangle.
 struct Pieces {
     corners: Vec<PieceCorners>,
     /// The pieces that each corner is one of, the largest first.
@@ -241,7 +244,7 @@ struct Pieces {
 }
 
 impl Pieces {
-    fn find(surface: &SharedEdges, rounding: f64) -> Self {
+    fn find(surface: &SharedEdges, hanging: &[Hanging], rounding: f64) -> Self {
         let count = surface.triangles.len();
         let at = |t: usize| surface.triangles[t].map(|c| surface.corners[c]);
         let neighbours = Neighbours::new(surface, rounding);
@@ -264,18 +267,20 @@ impl Pieces {
             let number = pieces.len();
             let mut own = Grown {
                 members: vec![seed],
-                corners: surface.triangles[seed].to_vec(),
+                corners: Vec::new(),
+                has: HashSet::new(),
                 plane,
             };
+            own.add_corners(surface, hanging, seed);
             piece_of[seed] = number;
-            own.grow(surface, &neighbours, rounding, |t| {
+            own.grow(surface, hanging, &neighbours, rounding, |t| {
                 let is_free = piece_of[t] == NOTHING;
                 if is_free {
                     piece_of[t] = number;
                 }
                 is_free
             });
-            if own.members.len() > 1 {
+            if own.members.len() > 1 || own.corners.len() > 3 {
                 pieces.push(PieceCorners {
                     all: own.corners,
                     plane: own.plane,
@@ -305,15 +310,31 @@ struct Grown {
     members: Vec<usize>,
     /// Each once.
     corners: Vec<usize>,
+    has: HashSet<usize>,
     plane: Plane,
 }
 
 impl Grown {
+    /// Those of a triangle, and those on its sides.
+    fn add_corners(&mut self, surface: &SharedEdges, hanging: &[Hanging], triangle: usize) {
+        let from = hanging.partition_point(|h| h.triangle < triangle);
+        let here = hanging[from..]
+            .iter()
+            .take_while(|h| h.triangle == triangle);
+        let all = (surface.triangles[triangle].into_iter()).chain(here.map(|h| h.corner));
+        for corner in all {
+            if self.has.insert(corner) {
+                self.corners.push(corner);
+            }
+        }
+    }
+
     /// Adds what continues it in its plane, which is fitted to all of it again each time that it has grown by half. `take` says whether a triangle is of no piece, and
     /// takes it.
     fn grow(
         &mut self,
         surface: &SharedEdges,
+        hanging: &[Hanging],
         neighbours: &Neighbours,
         rounding: f64,
         mut take: impl FnMut(usize) -> bool,
@@ -324,7 +345,6 @@ impl Grown {
                 .iter()
                 .all(|p| plane.height(*p).abs() <= NEAR * rounding)
         };
-        let mut has: HashSet<usize> = self.corners.iter().copied().collect();
         for _ in 0..MOST_FITS {
             let before = self.members.len();
             let enough = before + before / 2 + 1;
@@ -333,8 +353,7 @@ impl Grown {
                 for t in neighbours.of(self.members[next]) {
                     if is_in(&self.plane, t) && take(t) {
                         self.members.push(t);
-                        let new = surface.triangles[t].into_iter().filter(|c| has.insert(*c));
-                        self.corners.extend(new);
+                        self.add_corners(surface, hanging, t);
                     }
                 }
                 next += 1;
@@ -348,35 +367,60 @@ impl Grown {
     }
 }
 
-/// The triangles that continue each one beyond its edges, up to three.
-struct Neighbours(Vec<[usize; 3]>);
+/// The triangles that continue each one beyond its edges, as pairs of it and another, in their order.
+struct Neighbours {
+    pairs: Vec<[usize; 2]>,
+    /// Where those of each triangle begin.
+    starts: Vec<usize>,
+}
 
 impl Neighbours {
-    /// Beyond edges that two triangles share that are not folded onto each other.
+    /// Beyond edges that two triangles share that are not folded onto each other. Of more than two at an edge those without a width count as none.
     fn new(surface: &SharedEdges, rounding: f64) -> Self {
-        let mut all = vec![[NOTHING; 3]; surface.triangles.len()];
+        let mut pairs = Vec::with_capacity(3 * surface.triangles.len());
         for sides in surface.edges() {
-            let &[one, other] = sides else { continue };
-            let [a, b] = one.ends.map(|c| surface.corners[c]);
-            let [p, q] = [one.third, other.third].map(|c| surface.corners[c] - a);
-            let along = (b - a).normalised();
-            let [p, q] = [p, q].map(|way| way - along * along.dot(way));
-            let is_sliver = p.norm().min(q.norm()) <= rounding;
-            if one.triangle == other.triangle || !(is_sliver || p.dot(q) < 0.0) {
+            // The way from the edge to the corner that is no end of it.
+            let across = |side: &Side| {
+                let [a, b] = side.ends.map(|c| surface.corners[c]);
+                let (along, way) = ((b - a).normalised(), surface.corners[side.third] - a);
+                way - along * along.dot(way)
+            };
+            let is_sliver = |side: &Side| across(side).norm() <= rounding;
+            let (one, other) = match *sides {
+                [one, other] => (one, other),
+                [_, _, _, ..] => {
+                    let mut wide = sides.iter().filter(|side| !is_sliver(side));
+                    match (wide.next(), wide.next(), wide.next()) {
+                        (Some(one), Some(other), None) => (*one, *other),
+                        _ => continue,
+                    }
+                }
+                _ => continue,
+            };
+            let is_beyond = across(&one).dot(across(&other)) < 0.0;
+            if one.triangle == other.triangle
+                || !(is_beyond || is_sliver(&one) || is_sliver(&other))
+            {
                 continue;
             }
-            for [own, to] in [[one, other], [other, one]] {
-                let free = all[own.triangle].iter_mut().find(|t| **t == NOTHING);
-                if let Some(free) = free {
-                    *free = to.triangle;
-                }
-            }
+            pairs.push([one.triangle, other.triangle]);
+            pairs.push([other.triangle, one.triangle]);
         }
-        Neighbours(all)
+        pairs.sort_unstable();
+        pairs.dedup();
+        let mut starts = vec![0; surface.triangles.len() + 1];
+        for [own, _] in &pairs {
+            starts[own + 1] += 1;
+        }
+        for k in 0..surface.triangles.len() {
+            starts[k + 1] += starts[k];
+        }
+        Neighbours { pairs, starts }
     }
 
-    fn of(&self, triangle: usize) -> impl Iterator<Item = usize> {
-        self.0[triangle].into_iter().filter(|t| *t != NOTHING)
+    fn of(&self, triangle: usize) -> impl Iterator<Item = usize> + '_ {
+        let [from, to] = [triangle, triangle + 1].map(|k| self.starts[k]);
+        self.pairs[from..to].iter().map(|pair| pair[1])
     }
 }
 

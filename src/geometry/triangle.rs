@@ -117,11 +117,16 @@ impl Near {
     /// this one's plane as a whole. A larger one, on which this one stands, goes on in front of it.
     #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn stands_before(&self, other: &Near, seen: Vector3, meeting: f64) -> bool {
-        let height = |p: Vector3| self.normal.dot(p) + self.distance;
-        let depth = -height(seen);
+        let depth = -(self.normal.dot(seen) + self.distance);
         depth > TOLERANCE * seen.norm()
-            && other.corners.iter().all(|&p| height(p) <= meeting)
+            && self.is_before(other, meeting)
             && self.has(seen * (self.distance / (self.distance + depth)), meeting)
+    }
+
+    /// Whether another triangle lies behind the plane of this one as a whole.
+    pub fn is_before(&self, other: &Near, meeting: f64) -> bool {
+        let height = |p: Vector3| self.normal.dot(p) + self.distance;
+        other.corners.iter().all(|&p| height(p) <= meeting)
     }
 
     /// Whether two triangles that meet are of one plane, up to an angle of this sine.
@@ -202,6 +207,17 @@ impl Near {
     /// The point of the triangle nearest to a point of its plane in the measure of the plane's section with the body.
     pub fn nearest_to(&self, body: &Ellipsoid, support: &Support, foot: Vector3) -> Vector3 {
         combine(&self.corners, self.nearest(body, support, foot).0)
+    }
+
+    /// The same, and the square of the way there in that measure.
+    pub fn nearest_and_way(
+        &self,
+        body: &Ellipsoid,
+        support: &Support,
+        foot: Vector3,
+    ) -> (Vector3, f64) {
+        let (weights, way) = self.nearest(body, support, foot);
+        (combine(&self.corners, weights), way.dot(way))
     }
 
     /// The weights of that point, and its place from `middle` where the body is the unit sphere, along the plane.

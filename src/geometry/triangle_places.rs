@@ -3,7 +3,7 @@
 //! whether a normal points away from all.
 
 use super::box_tree::{BoxTree, Extent, Node};
-use super::ellipsoid::Ellipsoid;
+use super::ellipsoid::{Ellipsoid, Support};
 use super::lists::{on_heap, InRoom, Lent, List, Lists, OnHeap};
 use super::triangle::{across, combine, comes_within, Near, Triangle, MEETING, TOLERANCE};
 #[cfg(not(feature = "std"))]
@@ -17,6 +17,10 @@ pub(crate) const REACH: f64 = 1.08;
 /// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
 /// at which triangles meet: clear of what meets it at its border, and still near.
 pub(super) const INSIDE: f64 = 100.0;
+
+/// How far from a side the place is that is asked for what continues a triangle beyond it, in distances at which triangles meet: what only meets the side
+/// is not there, and a needle beyond it that is wider than what meets is.
+const BESIDE: f64 = 1.5;
 
 /// Sine of the angle between two faces below which they are taken as one plane. Corners in single precision, as in binary
 /// STL files, turn the normal of a triangle by more: such faces are folds, at which the shares of both faces make the force
@@ -150,24 +154,84 @@ impl<M: Lists> TrianglePlaces<M> {
         }
     }
 
-    /// Whether the plane of a triangle goes on from its nearest point to a place beyond it: beyond a side from which another triangle rises, and at a
-    /// corner beyond no other one.
+    /// The triangle of a plane, as far as it is near, that comes nearest to a place of it, and its point there, in the measure of the plane's section with
+    /// the body.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    pub fn nearest_in_plane(
+        &self,
+        plane: usize,
+        body: &Ellipsoid,
+        support: &Support,
+        place: Vector3,
+    ) -> (usize, Vector3) {
+        let mut best = (f64::INFINITY, plane, place);
+        for (k, t) in self.near.iter().enumerate() {
+            if t.plane == plane {
+                let (point, square) = t.nearest_and_way(body, support, place);
+                if square < best.0 {
+                    best = (square, k, point);
+                }
+            }
+        }
+        (best.1, best.2)
+    }
+
+    /// Whether a plane goes on from its point nearest to a place beyond it, which one of its triangles has: beyond a side from which another triangle rises, and at a
+    /// corner beyond no other one. Sides within the plane are none.
     #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn goes_on_beyond(&self, own: usize, point: Vector3, place: Vector3, meeting: f64) -> bool {
         let t = &self.near[own];
-        let Some(m) = t.corners.iter().position(|z| *z == point) else {
+        if !t.corners.contains(&point) {
             return self.folds_up(own, point, meeting);
+        }
+        let mut ends = false;
+        self.tree.visit(
+            &self.boxes,
+            &Extent::about(point.to_array(), meeting),
+            |k| {
+                ends = self.near[k].plane == t.plane && self.ends_at(k, point, place, meeting);
+                !ends
+            },
+        );
+        !ends
+    }
+
+    /// Whether a place in the plane of a triangle is beyond a side of it that begins at a corner and is one of the plane's, from which no triangle rises.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn ends_at(&self, own: usize, corner: Vector3, place: Vector3, meeting: f64) -> bool {
+        let t = &self.near[own];
+        let is_there = |z: &Vector3| (*z - corner).norm_squared() <= meeting * meeting;
+        let Some(m) = t.corners.iter().position(is_there) else {
+            return false;
         };
+        let from = t.corners[m];
         let sides = [t.corners[(m + 1) % 3], t.corners[(m + 2) % 3]];
-        (0..2).all(|k| {
-            let (along, inwards) = (sides[k] - point, sides[1 - k] - point);
-            let across = t.normal.cross(along);
-            if across.dot(place - point) * across.dot(inwards) >= 0.0 {
-                return true;
+        (0..2).any(|k| {
+            let (along, inwards) = (sides[k] - from, sides[1 - k] - from);
+            let mut out = t.normal.cross(along);
+            if out.dot(inwards) > 0.0 {
+                out = -out;
             }
-            let near = (INSIDE * meeting / along.norm()).min(0.5);
-            self.folds_up(own, point + along * near, meeting)
+            let length = along.norm();
+            let beside = from + along * (INSIDE * meeting / length).min(0.5);
+            out.dot(place - from) > 0.0
+                && !self.goes_on_in_plane(own, beside + out * (BESIDE * meeting / length), meeting)
+                && !self.folds_up(own, beside, meeting)
         })
+    }
+
+    /// Whether another triangle of the same plane is at a point of it.
+    #[cfg_attr(not(feature = "std"), inline(never))]
+    fn goes_on_in_plane(&self, own: usize, point: Vector3, meeting: f64) -> bool {
+        let plane = self.near[own].plane;
+        let mut goes_on = false;
+        let place = Extent::about(point.to_array(), meeting);
+        self.tree.visit(&self.boxes, &place, |k| {
+            let q = &self.near[k];
+            goes_on = k != own && q.plane == plane && q.has(point, meeting);
+            !goes_on
+        });
+        goes_on
     }
 
     /// Whether another triangle rises from the plane of this one at a point of its border, on the side of the body.
@@ -200,7 +264,7 @@ impl<M: Lists> TrianglePlaces<M> {
         rises
     }
 
-    /// Whether another triangle comes between the body's centre and a point of this one, all of which lies behind it. So the faces
+    /// Whether another triangle comes between the body's centre and a point of this one, of whose plane all that is near lies behind it. So the faces
     /// of a block, seen from within, do not act on a body that lies across its edges.
     #[cfg_attr(not(feature = "std"), inline(never))]
     pub fn is_hidden(&self, own: usize, point: Vector3, meeting: f64) -> bool {
@@ -213,7 +277,10 @@ impl<M: Lists> TrianglePlaces<M> {
         };
         let mut hidden = false;
         self.tree.visit(&self.boxes, &way, |k| {
-            hidden = k != own && self.near[k].stands_before(t, seen, meeting);
+            let q = &self.near[k];
+            hidden = k != own
+                && q.stands_before(t, seen, meeting)
+                && (self.near.iter()).all(|p| p.plane != t.plane || q.is_before(p, meeting));
             !hidden
         });
         hidden

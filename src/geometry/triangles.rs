@@ -157,6 +157,12 @@ const LEAST_SHARE: f64 = 1e-12;
 /// No index.
 const NOTHING: usize = usize::MAX;
 
+/// No index, of a plane that does not act: it does not go on beyond its border, or not at one of the corners at which convex and concave edges meet.
+const ASKED: usize = NOTHING - 1;
+
+/// No index, of a plane that another triangle hides.
+const HIDDEN: usize = ASKED - 1;
+
 /// A plane that supports the body.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
@@ -271,6 +277,7 @@ impl<M: Lists> TriangleSearch<M> {
                 self.act_at_corner(body, apex);
             }
         }
+        self.forget_asked();
         if self.candidates.lacks_room() {
             return;
         }
@@ -309,14 +316,24 @@ impl<M: Lists> TriangleSearch<M> {
     fn covered_faces(&mut self, body: &Ellipsoid, meeting: f64, part: &Share) {
         let places = &self.places;
         self.covered.set_all(places.near.len(), NOTHING);
-        for (k, t) in places.near.iter().enumerate() {
+        self.of_plane.set_all(places.near.len(), NOTHING);
+        for t in places.near.iter() {
             let support = body.support(-t.normal);
             let penetration = support.h - t.distance;
             if !(penetration > 0.0 && t.is_in_section(body, &support, penetration)) {
                 continue;
             }
             let foot = support.point + t.normal * penetration;
-            if places.is_hidden(k, t.nearest_to(body, &support, Vector3::ZERO), meeting) {
+            // A plane is hidden or not as a whole.
+            if self.of_plane[t.plane] == NOTHING {
+                let middle = Vector3::ZERO;
+                let (k, point) = places.nearest_in_plane(t.plane, body, &support, middle);
+                self.of_plane[t.plane] = match places.is_hidden(k, point, meeting) {
+                    true => HIDDEN,
+                    false => t.plane,
+                };
+            }
+            if self.of_plane[t.plane] == HIDDEN {
                 continue;
             }
             let plane = SupportingPlane {
@@ -401,7 +418,8 @@ impl<M: Lists> TriangleSearch<M> {
     #[cfg_attr(not(feature = "std"), inline(never))]
     fn faces(&mut self, body: &Ellipsoid, meeting: f64) {
         self.of_plane.set_all(self.places.near.len(), NOTHING);
-        for k in 0..self.places.near.len() {
+        for own in 0..self.places.near.len() {
+            let mut k = own;
             let t = &self.places.near[k];
             let known = self.candidates.get(self.of_plane[t.plane]);
             if known.is_some_and(|c| c.over) {
@@ -430,15 +448,19 @@ impl<M: Lists> TriangleSearch<M> {
                 }
                 foot
             } else {
-                if is_known || !reaches(t) {
+                if is_known || self.of_plane[t.plane] == ASKED || !reaches(t) {
                     continue;
                 }
-                let point = t.nearest_to(body, &support, foot);
+                self.of_plane[t.plane] = ASKED;
+                let plane = t.plane;
+                let point;
+                (k, point) = self.places.nearest_in_plane(plane, body, &support, foot);
                 if !self.places.goes_on_beyond(k, point, foot, meeting) {
                     continue;
                 }
                 point
             };
+            let t = &self.places.near[k];
             if self.places.is_hidden(k, point, meeting) {
                 continue;
             }
@@ -475,6 +497,14 @@ impl<M: Lists> TriangleSearch<M> {
                     self.candidates.push(candidate);
                 }
             }
+        }
+        self.forget_asked();
+    }
+
+    /// Leaves no plane [`ASKED`].
+    fn forget_asked(&mut self) {
+        for place in self.of_plane.iter_mut().filter(|place| **place == ASKED) {
+            *place = NOTHING;
         }
     }
 
@@ -602,10 +632,12 @@ impl<M: Lists> TriangleSearch<M> {
         for (m, (plane, k)) in corner.planes(places).enumerate() {
             let known = candidates.get_mut(of_plane[plane]);
             if acting >> m & 1 == 0 {
-                if let Some(known) = known.filter(|c| !c.over) {
-                    known.triangle = NOTHING;
+                match known {
+                    Some(known) if known.over => (),
+                    Some(known) => known.triangle = NOTHING,
+                    None => of_plane[plane] = ASKED,
                 }
-            } else if known.is_none() {
+            } else if of_plane[plane] == NOTHING {
                 let t = &places.near[k];
                 let support = body.support(-t.normal);
                 let penetration = support.h - t.distance;

@@ -6,6 +6,7 @@ use super::mesh::{check_corners, touch_near, REMEMBERED};
 use super::shape::{Ball, Found, Grain, Search, Shape};
 use crate::contact::ranges::LARGEST_VELOCITY;
 use crate::contact::staged::WallSurface;
+use crate::geometry::edge_to_edge::{self, Part};
 use crate::geometry::flat_pieces;
 use crate::geometry::triangles::{barycentric_weights, Triangle};
 use crate::message::Numbers;
@@ -24,15 +25,25 @@ pub struct LentTriangles {
     starts: Vec<usize>,
     near: Vec<u32>,
     /// Found when a particle first asks; kept while the triangles move as one body.
-    widths: OnceLock<Widths>,
+    surface: OnceLock<Surface>,
 }
 
-/// How wide the flat piece is of which each triangle is a part.
+/// How the triangles are one surface.
 #[derive(Clone, Debug)]
-struct Widths {
-    of_triangles: Vec<f64>,
+struct Surface {
     /// Of each triangle; what a motion of all leaves as it is.
     sizes: Vec<[f64; 4]>,
+    /// The triangles in parts that meet edge to edge, where they do not so themselves.
+    parts: Option<Parts>,
+    /// How wide the flat piece is of which each triangle is a part.
+    widths: OnceLock<Vec<f64>>,
+}
+
+#[derive(Clone, Debug)]
+struct Parts {
+    all: Vec<Part>,
+    /// Where those of each triangle begin, and at last where the last ones end.
+    starts: Vec<u32>,
 }
 
 /// By this share of its largest one the sizes of a triangle may change by rounding.
@@ -48,15 +59,24 @@ fn sizes(corners: &[Triangle]) -> impl Iterator<Item = [f64; 4]> + '_ {
     })
 }
 
-impl Widths {
+impl Surface {
     fn of(corners: &[Triangle]) -> Self {
-        Widths {
-            of_triangles: flat_pieces::widths(corners),
+        let parts = edge_to_edge::parts(corners).map(|all| {
+            let starts = (0..=corners.len()).map(|t| all.partition_point(|p| p.of < t) as u32);
+            Parts {
+                starts: starts.collect(),
+                all,
+            }
+        });
+        Surface {
             sizes: sizes(corners).collect(),
+            parts,
+            widths: OnceLock::new(),
         }
     }
 
-    fn are_of(&self, corners: &[Triangle]) -> bool {
+    /// Whether these are the same triangles after a motion of all.
+    fn is_of(&self, corners: &[Triangle]) -> bool {
         let equal = |own: &[f64; 4], other: [f64; 4]| {
             let largest = own.iter().fold(0.0f64, |m, x| m.max(*x));
             (own.iter().zip(other)).all(|(x, y)| (x - y).abs() <= ROUNDING * largest)
@@ -98,9 +118,9 @@ impl LentTriangles {
         self.near.clear();
         self.near.extend_from_slice(near);
         let checked = self.check();
-        let widths = self.widths.get();
-        if widths.is_some_and(|w| checked.is_err() || !w.are_of(&self.corners)) {
-            self.widths.take();
+        let surface = self.surface.get();
+        if surface.is_some_and(|s| checked.is_err() || !s.is_of(&self.corners)) {
+            self.surface.take();
         }
         if checked.is_err() {
             self.starts.clear();
@@ -151,14 +171,15 @@ impl Shape for LentTriangles {
     }
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {
-        search.near.clear();
-        search.near.extend_from_slice(self.near(grain.particle));
         let corners = &self.corners;
+        let surface = self.surface.get_or_init(|| Surface::of(corners));
         let width = |triangle: usize| {
-            let widths = self.widths.get_or_init(|| Widths::of(corners));
-            widths.of_triangles[triangle]
+            let widths = surface.widths.get_or_init(|| flat_pieces::widths(corners));
+            widths[triangle]
         };
-        touch_near(grain, corners, width, search, &mut |surface, triangle| {
+        let near = self.near(grain.particle);
+        search.near.clear();
+        let mut found = |surface: &WallSurface, triangle: usize| {
             let [velocity, velocity_change] = [&self.velocities, &self.changes].map(|all| {
                 all.get(triangle).map_or(Vector3::ZERO, |v| {
                     let [a, b, c] = barycentric_weights(&self.corners[triangle], surface.point);
@@ -173,6 +194,113 @@ impl Shape for LentTriangles {
                 },
                 triangle,
             );
+        };
+        let Some(parts) = &surface.parts else {
+            search.near.extend_from_slice(near);
+            let corners = |triangle: usize| corners[triangle];
+            return touch_near(grain, corners, width, search, &mut found);
+        };
+        for t in near {
+            let t = *t as usize;
+            search.near.extend(parts.starts[t]..parts.starts[t + 1]);
+        }
+        let corners = |part: usize| parts.all[part].of_triangles(corners);
+        let width = |part: usize| width(parts.all[part].of);
+        touch_near(grain, corners, width, search, &mut |surface, part| {
+            found(surface, parts.all[part].of);
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::mesh::Mesh;
+    use super::*;
+    use crate::geometry::Ellipsoid;
+    use core::iter::empty;
+
+    /// A square with a corner in the middle of the longest side of its first triangle, bent along that side.
+    fn bent() -> [Triangle; 3] {
+        let at = |x: f64, y: f64| Vector3::new(x, y, 0.1 * x.max(0.0));
+        [
+            [at(0.0, -2.0), at(0.0, 2.0), at(-3.0, 0.0)],
+            [at(0.0, -2.0), at(3.0, 0.0), at(0.0, 0.0)],
+            [at(0.0, 0.0), at(3.0, 0.0), at(0.0, 2.0)],
+        ]
+    }
+
+    /// The triangle that a ball of radius 1 touches deepest that is a hundredth deep at a place.
+    fn touched(shape: &dyn Shape, x: f64, y: f64) -> usize {
+        let body = Ellipsoid::new([1.0; 3], [1.0, 0.0, 0.0, 0.0]).unwrap();
+        let normal = Vector3::new(if x > 0.0 { -0.1 } else { 0.0 }, 0.0, 1.0).normalised();
+        let grain = Grain {
+            particle: 0,
+            body: &body,
+            centre: Vector3::new(x, y, 0.1 * x.max(0.0)) + normal * 0.99,
+        };
+        let mut all = Vec::new();
+        shape.touch(&grain, &mut Search::default(), &mut |surface, triangle| {
+            all.push((surface.point, triangle));
+        });
+        assert!(!all.is_empty());
+        all[0].1
+    }
+
+    fn set(lent: &mut LentTriangles, all: &[Triangle], lists: (&[usize], &[u32])) {
+        let all = all.iter().copied();
+        lent.set(all, empty(), empty(), lists.0, lists.1).unwrap();
+    }
+
+    const PLACES: [(f64, f64, usize); 4] = [
+        (-1.0, 0.3, 0),
+        (-1.0, -0.3, 0),
+        (1.0, -0.3, 1),
+        (1.0, 0.3, 2),
+    ];
+
+    #[test]
+    fn contacts_are_with_the_triangles_that_were_given() {
+        let mesh = Mesh::new(bent().to_vec()).unwrap();
+        assert_eq!(Shape::triangles(&mesh), bent());
+        assert_eq!(mesh.triangle_count(), 3);
+        assert_eq!(mesh.triangles.len(), 4);
+        let mut lent = LentTriangles::default();
+        set(&mut lent, &bent(), (&[0, 3], &[0, 1, 2]));
+        for (x, y, expected) in PLACES {
+            assert_eq!(touched(&mesh, x, y), expected);
+            assert_eq!(touched(&lent, x, y), expected);
+        }
+    }
+
+    /// At once, also where the lists stay as they are.
+    #[test]
+    fn other_triangles_are_divided_anew() {
+        let [a, b, c] = bent();
+        for (order, names) in [([2, 0, 1], [1, 2, 0]), ([1, 2, 0], [2, 0, 1])] {
+            let mut lent = LentTriangles::default();
+            set(&mut lent, &[a, b, c], (&[0, 3], &[0, 1, 2]));
+            touched(&lent, 1.0, 0.3);
+            assert!(lent.surface.get().is_some());
+            let others: [Triangle; 3] = order.map(|k: usize| bent()[k]);
+            set(&mut lent, &others, (&[0, 3], &[0, 1, 2]));
+            for (x, y, expected) in PLACES {
+                assert_eq!(touched(&lent, x, y), names[expected]);
+            }
+        }
+        // And those that only move stay as they are.
+        let mut lent = LentTriangles::default();
+        set(&mut lent, &[a, b, c], (&[0, 3], &[0, 1, 2]));
+        touched(&lent, 1.0, 0.3);
+        for step in 0..100 {
+            let by = Vector3::new(0.1, 0.2, -0.3) * step as f64;
+            let near: &[u32] = if step % 5 == 0 {
+                &[2, 1, 0]
+            } else {
+                &[0, 1, 2]
+            };
+            let moved = bent().map(|t| t.map(|p| p + by));
+            set(&mut lent, &moved, (&[0, 3], near));
+            assert!(lent.surface.get().is_some());
+        }
     }
 }

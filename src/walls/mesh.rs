@@ -6,7 +6,7 @@ use super::shape::{Ball, Block, Found, Grain, Search, Shape, ShapeInLanes};
 use super::triangle_contacts::{place_of, surface};
 use crate::contact::ranges::LARGEST_COORDINATE;
 use crate::geometry::box_tree::{BoxTree, Extent};
-use crate::geometry::flat_pieces;
+use crate::geometry::edge_to_edge;
 use crate::geometry::rounded_corners;
 use crate::geometry::triangles::Triangle;
 use crate::geometry::Plane;
@@ -16,13 +16,24 @@ use crate::vector::Vector3;
 /// Triangles and the boxes around them.
 #[derive(Clone, Debug)]
 pub struct Mesh {
+    /// Such as meet edge to edge.
     pub(super) triangles: Vec<Triangle>,
+    /// Of which these are parts, where they are not the same.
+    whole: Option<Whole>,
     pub(super) boxes: Vec<Extent>,
     pub(super) tree: BoxTree,
     /// How wide the flat piece is of which each triangle is a part.
     pub(super) widths: Vec<f64>,
     /// Of the particles that were looked at.
     near: NearTriangles,
+}
+
+/// The triangles of a mesh that were divided.
+#[derive(Clone, Debug)]
+struct Whole {
+    triangles: Vec<Triangle>,
+    /// Of each part.
+    of_parts: Vec<u32>,
 }
 
 /// Contacts with the surface of one particle that are remembered.
@@ -37,16 +48,30 @@ impl Mesh {
         if triangles.is_empty() {
             return Err("the mesh has no triangles".into());
         }
+        check_corners(&triangles)?;
+        let (parts, widths) = edge_to_edge::parts_and_widths(&triangles);
+        let (triangles, widths, whole) = match parts {
+            None => (triangles, widths, None),
+            Some(parts) => {
+                let corners = parts.iter().map(|p| p.of_triangles(&triangles)).collect();
+                let widths = parts.iter().map(|p| widths[p.of]).collect();
+                let of_parts = parts.iter().map(|p| p.of as u32).collect();
+                let whole = Whole {
+                    triangles,
+                    of_parts,
+                };
+                (corners, widths, Some(whole))
+            }
+        };
         if u32::try_from(triangles.len()).is_err() {
             return Err("the mesh has more triangles than 2^32".into());
         }
-        check_corners(&triangles)?;
         let boxes: Vec<Extent> = triangles.iter().map(around).collect();
         let mut tree = BoxTree::default();
         tree.build(&boxes);
-        let widths = flat_pieces::widths(&triangles);
         Ok(Mesh {
             triangles,
+            whole,
             boxes,
             tree,
             widths,
@@ -56,7 +81,7 @@ impl Mesh {
 
     /// How many triangles there are.
     pub fn triangle_count(&self) -> usize {
-        self.triangles.len()
+        Shape::triangles(self).len()
     }
 
     /// Whether the box of a triangle reaches into a box.
@@ -134,13 +159,13 @@ pub(super) fn around(triangle: &Triangle) -> Extent {
 /// which a triangle is a part.
 pub(super) fn touch_near(
     grain: &Grain<'_>,
-    triangles: &[Triangle],
+    corners: impl Fn(usize) -> Triangle,
     width: impl Fn(usize) -> f64,
     search: &mut Search,
     found: &mut Found<'_>,
 ) {
     let near = &search.near;
-    let corners = near.iter().map(|t| triangles[*t as usize]);
+    let corners = near.iter().map(|t| corners(*t as usize));
     let width = |k: usize| width(near[k] as usize);
     (search.triangles).touch_each(grain.body, grain.centre, corners, width);
     for contact in search.triangles.contacts() {
@@ -205,11 +230,20 @@ impl Shape for Mesh {
         }
         if !search.near.is_empty() {
             let width = |triangle: usize| self.widths[triangle];
-            touch_near(grain, &self.triangles, width, search, found);
+            let corners = |triangle: usize| self.triangles[triangle];
+            match &self.whole {
+                None => touch_near(grain, corners, width, search, found),
+                Some(whole) => touch_near(grain, corners, width, search, &mut |surface, part| {
+                    found(surface, whole.of_parts[part] as usize);
+                }),
+            }
         }
     }
 
     fn triangles(&self) -> &[Triangle] {
-        &self.triangles
+        match &self.whole {
+            None => &self.triangles,
+            Some(whole) => &whole.triangles,
+        }
     }
 }

@@ -7,7 +7,7 @@ use std::fs;
 use crate::harness::{
     attempt_in, fresh_directory, run, Deck, Engine, Frame, Grain, Outcome, Scene,
 };
-use crate::hills::{divided, grains_on, hills};
+use crate::hills::{divided, grains_on, hills, unevenly_divided};
 use crate::shapes::{length, sub, unit, Random, Vector};
 
 const LAW: &str = "hertz 1e7 0.3 tangential mindlin 0.5";
@@ -251,7 +251,7 @@ fn both_versions_meshes_have_laws_and_columns_of_their_own() {
 }
 
 /// A hilly floor of sixteen times as many triangles, in the single precision of its file. The edges between these are folds in it, at which planes went on
-/// beyond their borders.
+/// beyond their borders. And one whose triangles have their corners on their neighbours' sides.
 #[test]
 fn both_versions_a_fine_division_of_a_file_is_the_same_wall() {
     let engine = Engine::from_environment();
@@ -271,10 +271,12 @@ fn both_versions_a_fine_division_of_a_file_is_the_same_wall() {
         outcome.first().clone()
     };
     let whole = forces(&floor, 1);
-    for ranks in [1, 2] {
-        let error = difference(&forces(&divided(&floor), ranks), &whole);
-        println!("{ranks} ranks: {error:.1e} of the largest force");
-        assert!(error < 1e-6);
+    for finer in [divided(&floor), unevenly_divided(&floor)] {
+        for ranks in [1, 2] {
+            let error = difference(&forces(&finer, ranks), &whole);
+            println!("{ranks} ranks: {error:.1e} of the largest force");
+            assert!(error < 1e-6);
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::harness::{attempt_in, fresh_directory, Deck, Engine, Grain, Scene};
+use crate::hills::unevenly_divided;
 use crate::mesh_walls::{binary, square};
 use crate::shapes::{cross, dot, length, scale, sub, unit, Random, Vector};
 
@@ -67,7 +68,8 @@ fn read(path: &Path) -> Polygons {
     }
 }
 
-/// Grains that slide on a floor of triangles that moves and turns.
+/// Grains that slide on a floor of triangles that moves and turns, and on one with corners in the middle of other triangles' sides: the triangles are
+/// those of the file.
 #[test]
 fn both_versions_forces_on_triangles_add_up_to_that_of_the_wall() {
     let engine = Engine::from_environment();
@@ -86,7 +88,14 @@ fn both_versions_forces_on_triangles_add_up_to_that_of_the_wall() {
         })
         .collect();
     let scene = Scene::open(3.0, grains);
-    for (ranks, motion) in [(1, ""), (4, "velocity 0.1 0 0 rotate 0 0 0 0 0 1 0.5")] {
+    let turning = "velocity 0.1 0 0 rotate 0 0 0 0 0 1 0.5";
+    let [even, uneven] = [square(2, 0.0, 5), unevenly_divided(&square(2, 0.0, 2))];
+    for (ranks, motion, floor) in [
+        (1, "", &even),
+        (4, turning, &even),
+        (1, "", &uneven),
+        (4, turning, &uneven),
+    ] {
         let deck = Deck {
             fixes: vec![format!(
                 "fix floor all wall/gran/ellipsoid {LAW} mesh floor.stl {motion} vtk 20 floor.*.vtk"
@@ -98,7 +107,7 @@ fn both_versions_forces_on_triangles_add_up_to_that_of_the_wall() {
             ..Deck::new(LAW)
         };
         let directory = fresh_directory("stress_files");
-        fs::write(directory.join("floor.stl"), binary(&square(2, 0.0, 5))).unwrap();
+        fs::write(directory.join("floor.stl"), binary(floor)).unwrap();
         let outcome = attempt_in(&engine, directory.clone(), &scene, &deck, ranks).succeeded();
         let mut written = 0;
         for row in outcome.thermo() {
@@ -114,7 +123,7 @@ fn both_versions_forces_on_triangles_add_up_to_that_of_the_wall() {
             println!(
                 "step {step}, {ranks} ranks: {loaded} triangles carry load, sum off by {off:.1e}"
             );
-            assert_eq!(file.triangles.len(), 50);
+            assert_eq!(file.triangles.len(), floor.len());
             assert!(off < 1e-13);
             assert!(loaded > 8, "one triangle carries all");
             for (k, t) in file.triangles.iter().enumerate() {

@@ -20,6 +20,7 @@ mod global_minimum;
 mod lone_contacts;
 mod mesh_corners;
 mod mesh_divisions;
+mod mesh_hanging_corners;
 mod momentum;
 mod near_walls;
 mod passivity;

@@ -5,6 +5,7 @@ use crate::faceted_walls::{on_triangles, support, Felt};
 use crate::mesh_corners::{loaded, surface};
 use crate::support::random::Stream;
 use crate::support::scene::{body, laws, Rotation, Vector};
+use ellgran::contact::{Body, Laws};
 use ellgran::geometry::triangles::Triangle;
 use ellgran::vector::Vector3;
 use ellgran::walls::flatten_triangles;
@@ -20,24 +21,26 @@ fn divided(wall: &[Triangle]) -> Vec<Triangle> {
 }
 
 /// As a file has it.
-fn in_single_precision(wall: &[Triangle]) -> Vec<Triangle> {
+pub fn in_single_precision(wall: &[Triangle]) -> Vec<Triangle> {
     let single = |x: f64| f64::from(x as f32);
     let rounded = |p: Vector3| Vector3::from_array(p.to_array().map(single));
     wall.iter().map(|t| t.map(rounded)).collect()
 }
 
 /// By how much the force differs from another, in its own size, and the torque, by the body's.
-fn difference(found: &Felt, expected: &Felt) -> f64 {
+pub fn difference(found: &Felt, expected: &Felt) -> f64 {
     let force = (found.force - expected.force).norm();
     force.max((found.torque - expected.torque).norm()) / expected.force.norm()
 }
 
+/// The law of the grains here.
+pub fn law() -> Laws {
+    laws(&["hertz 1e7 0.3 conservative no"])
+}
+
 /// Grains of any shape on uneven floors of triangles from a seventh of a grain's radius to four of them, and from nearly flat to steep.
-fn visit_floors(
-    seed: u64,
-    mut found: impl FnMut(f64, f64, &[Triangle], &dyn Fn(&[Triangle]) -> Felt),
-) {
-    let laws = laws(&["hertz 1e7 0.3 conservative no"]);
+pub fn visit_floors(seed: u64, mut found: impl FnMut(f64, f64, &[Triangle], &Body)) {
+    let laws = law();
     let mut stream = Stream::new(seed);
     for size in [0.15, 0.3, 0.45, 0.7, 1.0, 2.0, 4.0] {
         for rough in [0.02, 0.1, 0.4] {
@@ -56,7 +59,7 @@ fn visit_floors(
                 let [x, y] = [0, 1].map(|_| stream.uniform(-size, size));
                 let over = body(axes, Vector::new(x - s.x, y - s.y, 0.0), turn);
                 let b = loaded(&laws, over, &wall, 0.1 + rough * size, depth);
-                found(size, rough, &wall, &|wall| on_triangles(&laws, &b, wall));
+                found(size, rough, &wall, &b);
             }
         }
     }
@@ -67,7 +70,9 @@ fn visit_floors(
 #[test]
 fn a_finer_division_changes_nothing() {
     let (mut worst, mut count) = (0.0f64, 0);
-    visit_floors(91, |size, rough, wall, felt| {
+    let law = law();
+    visit_floors(91, |size, rough, wall, b| {
+        let felt = |wall: &[Triangle]| on_triangles(&law, b, wall);
         let whole = felt(wall);
         let fine = divided(wall);
         for finer in [divided(&fine), fine] {
@@ -85,7 +90,9 @@ fn a_finer_division_changes_nothing() {
 #[test]
 fn rounding_of_a_fine_division_changes_nothing() {
     let (mut worst, mut count) = (0.0f64, 0);
-    visit_floors(93, |size, rough, wall, felt| {
+    let law = law();
+    visit_floors(93, |size, rough, wall, b| {
+        let felt = |wall: &[Triangle]| on_triangles(&law, b, wall);
         let coarse = in_single_precision(wall);
         let mut fine = in_single_precision(&divided(&divided(wall)));
         let moved = flatten_triangles(&mut fine).expect("corners in range");

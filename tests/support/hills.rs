@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT OR Apache-2.0
-//! A hilly floor of triangles, each a flat piece, with convex and concave edges, and the same floor in many more triangles.
+//! A hilly floor of triangles, each a flat piece, with convex and concave edges, and the same floor in many more triangles, which meet edge to edge or not.
+
+// Each test target takes what it needs.
+#![allow(dead_code)]
 
 pub type Triangle = [[f64; 3]; 3];
 
@@ -34,6 +37,42 @@ pub fn divided(triangles: &[Triangle]) -> Vec<Triangle> {
     };
     let four: Vec<Triangle> = triangles.iter().flat_map(in_four).collect();
     four.iter().flat_map(in_four).collect()
+}
+
+/// Each triangle with its sides in two, three or four parts, so that corners lie on sides of its neighbours.
+pub fn unevenly_divided(triangles: &[Triangle]) -> Vec<Triangle> {
+    // The same from both ends of a side.
+    let on = |a: [f64; 3], b: [f64; 3], steps: usize, of: usize| -> [f64; 3] {
+        let (a, b, steps) = if a < b {
+            (a, b, steps)
+        } else {
+            (b, a, of - steps)
+        };
+        match steps {
+            0 => a,
+            _ if steps == of => b,
+            _ => std::array::from_fn(|k| a[k] + (b[k] - a[k]) * steps as f64 / of as f64),
+        }
+    };
+    let in_parts = |(number, t): (usize, &Triangle)| {
+        let ([a, b, c], parts) = (*t, 2 + number % 3);
+        let at = move |i: usize, j: usize| {
+            // Along the row from one side to the other.
+            let [from, to] = [on(a, c, j, parts), on(b, c, j, parts)];
+            match parts - j {
+                0 => c,
+                row => on(from, to, i, row),
+            }
+        };
+        let cells = (0..parts).flat_map(move |j| (0..parts - j).map(move |i| (i, j)));
+        cells.flat_map(move |(i, j)| {
+            let lower = [at(i, j), at(i + 1, j), at(i, j + 1)];
+            let upper = [at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            let both = [Some(lower), (i + j + 2 <= parts).then_some(upper)];
+            both.into_iter().flatten()
+        })
+    };
+    triangles.iter().enumerate().flat_map(in_parts).collect()
 }
 
 /// Grains on the floor, as their semi-axes, and where they are: spheres of a radius of 2.5 squares, and ellipsoids within them.
