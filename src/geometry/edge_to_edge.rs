@@ -3,17 +3,9 @@
 //! programs write meshes, the search for contacts would not see that an edge is one: there a triangle is divided from such corners to those opposite to them.
 
 use super::flat_pieces;
-use super::shared_edges::{Hanging, Margin, SharedEdges};
+use super::shared_edges::{Hanging, SharedEdges, ON_SIDE};
 use super::triangle::Triangle;
-use super::triangle_places::SAME_PLANE;
 use core::ops::Range;
-
-/// Where a corner is on a side. In the plane a gap or an overlap that narrow is a flaw of the mesh; out of it the parts of a triangle would not be in one
-/// plane any more.
-pub(crate) const ON_SIDE: Margin = Margin::Sines {
-    in_plane: 1e-6,
-    across: SAME_PLANE,
-};
 
 /// A part of a triangle, or a whole one.
 #[derive(Clone, Copy, Debug)]
@@ -26,7 +18,7 @@ pub(crate) struct Part {
 
 impl Part {
     /// With the corners of these triangles.
-    pub fn of_triangles(&self, all: &[Triangle]) -> Triangle {
+    pub(crate) fn of_triangles(&self, all: &[Triangle]) -> Triangle {
         self.corners.map(|k| all[k / 3][k % 3])
     }
 }

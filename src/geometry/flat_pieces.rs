@@ -2,8 +2,7 @@
 //! How wide are the flat pieces of a surface of triangles? A flat piece is all that continues a triangle in its plane, beyond edges that triangles
 //! share, or share a part of. Its width does not depend on how it is divided into triangles.
 
-use super::edge_to_edge::ON_SIDE;
-use super::shared_edges::SharedEdges;
+use super::shared_edges::{SharedEdges, ON_SIDE};
 use super::triangle::{across, Triangle};
 use super::triangle_places::SAME_PLANE;
 use crate::vector::{Tangent, Vector2, Vector3};

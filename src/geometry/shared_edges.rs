@@ -4,6 +4,7 @@
 
 use super::box_tree::{BoxTree, Extent};
 use super::triangle::{across, Triangle};
+use super::triangle_places::SAME_PLANE;
 use crate::vector::Vector3;
 
 /// A surface of triangles with each of its corners once.
@@ -46,6 +47,13 @@ pub(crate) enum Margin {
     /// Sines of angles, seen from the farther and from the nearer end of the side.
     Sines { in_plane: f64, across: f64 },
 }
+
+/// Where a corner is on a side. In the plane a gap or an overlap that narrow is a flaw of the mesh; out of it the parts of a triangle would not be in one
+/// plane any more.
+pub(crate) const ON_SIDE: Margin = Margin::Sines {
+    in_plane: 1e-6,
+    across: SAME_PLANE,
+};
 
 impl Margin {
     fn in_plane(&self, length: f64) -> f64 {
