@@ -201,6 +201,12 @@ impl Candidates {
         (registers.bits(registers.and(near, same)), take_part)
     }
 
+    /// Whether a particle is one of a candidate.
+    #[inline(always)]
+    pub fn has(&self, particle: usize) -> bool {
+        self.takes_part.get(particle).is_some_and(|t| *t)
+    }
+
     /// One step more with these candidates; whether they are for it.
     pub fn count_step(&mut self) -> bool {
         self.steps = self.steps.saturating_add(1);

@@ -85,13 +85,20 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
         let here = (1u32 << count) - 1;
         let end = first + count;
         for k in first + AHEAD..end + AHEAD {
-            if let Some(ahead) = self.records.records.get(k) {
-                registers.prefetch(&ahead.pose.0[0]);
-                registers.prefetch(&ahead.motion.0[0]);
-            }
-            if CHANGES {
-                if let Some(ahead) = self.records.changes.get(k) {
-                    registers.prefetch(&ahead.0[0]);
+            // Of those that touch nothing no record is made.
+            let has_record = match self.candidates {
+                Some(candidates) => candidates.has(k),
+                None => true,
+            };
+            if has_record {
+                if let Some(ahead) = self.records.records.get(k) {
+                    registers.prefetch(&ahead.pose.0[0]);
+                    registers.prefetch(&ahead.motion.0[0]);
+                }
+                if CHANGES {
+                    if let Some(ahead) = self.records.changes.get(k) {
+                        registers.prefetch(&ahead.0[0]);
+                    }
                 }
             }
             if let Some(numbers) = arrays.shape.place(k) {
