@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use anyhow::{Context, Result};
+use anyhow::{bail, Context, Result};
 
 use super::contender::Contender;
 use super::lammps_run::{path_word, timing, touching, Lammps};
@@ -27,9 +27,10 @@ const FEW: usize = 7;
 const MANY: usize = 224;
 const LARGE_SQUARE: f64 = SQUARE * SQUARES as f64 / FEW as f64;
 
-/// Layers of a bed, and planes under it in the same place: what one more takes, the grains of which touch others too.
+/// Layers of a bed, and walls under it in the same place: what one more takes, the grains of which touch others too.
 const LAYERS: usize = 2;
-const FLOORS: [usize; 2] = [1, 5];
+const FLOORS: [usize; 2] = [1, 3];
+const BEDS: [&str; 3] = ["plane", "cylinder", "mesh"];
 
 /// A layer, by the words of the deck.
 #[derive(Clone, Copy, PartialEq)]
@@ -82,8 +83,7 @@ pub struct Costs {
     /// Grains of the layer.
     grains: f64,
     walls: Vec<Cost>,
-    /// A plane under a bed: per contact with it, and such contacts per grain of the bed.
-    bed: (Measured, f64),
+    beds: Vec<Bed>,
     /// Of the pair style, per touching pair of the dense packing.
     pair: Measured,
 }
@@ -93,6 +93,15 @@ struct Cost {
     /// Per grain and step, above the step without a wall.
     per_grain: Measured,
     /// Contacts with the wall per grain.
+    contacts: f64,
+}
+
+/// A wall under a bed.
+struct Bed {
+    surface: &'static str,
+    /// Per contact with it.
+    per_contact: Measured,
+    /// Such contacts per grain of the bed.
     contacts: f64,
 }
 
@@ -122,7 +131,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     let mut progress = Progress::start("Walls");
     let mut layers: Vec<Vec<f64>> = CASES.iter().map(|_| Vec::new()).collect();
     let (mut contacts, mut pairs) = (vec![0.0; CASES.len()], Vec::new());
-    let (mut of_bed, mut touching_of_bed) = (Vec::new(), 0.0);
+    let mut of_beds = BEDS.map(|_| (Vec::new(), 0.0));
     let mut grains = 0.0;
     for round in 0..effort.rounds {
         progress.update(Some(round as f64 / effort.rounds as f64), "layers");
@@ -152,23 +161,32 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
             contacts[k] = touching(&output)? / found.atoms;
             grains = found.atoms;
         }
-        let mut steps_of_beds = Vec::new();
-        for floors in FLOORS {
-            let words = [
-                ("surface", "plane".to_string()),
-                ("layers", LAYERS.to_string()),
-                ("floors", floors.to_string()),
-                ("side", side.to_string()),
-                ("steps", steps.to_string()),
-            ];
-            let output = lammps.run("layer.lmp", 1, None, &words)?;
-            let found = timing(&output)?;
-            steps_of_beds.push(found.per_grain(found.step));
-            // With the first of the planes.
-            touching_of_bed = touching(&output)? / found.atoms;
+        for (surface, (times, contacts)) in BEDS.into_iter().zip(&mut of_beds) {
+            let mut of_floors = Vec::new();
+            for floors in FLOORS {
+                let words = [
+                    ("surface", surface.to_string()),
+                    ("mesh", path_word(&floor)?),
+                    ("layers", LAYERS.to_string()),
+                    ("floors", floors.to_string()),
+                    ("side", side.to_string()),
+                    ("settle", "3000".to_string()),
+                    ("steps", steps.to_string()),
+                ];
+                let output = lammps.run("layer.lmp", 1, None, &words)?;
+                let found = timing(&output)?;
+                // With the first of the walls.
+                of_floors.push((
+                    found.per_grain(found.step),
+                    touching(&output)? / found.atoms,
+                ));
+            }
+            let [(one, _), (all, touching)] = of_floors[..] else {
+                bail!("a bed has two numbers of walls");
+            };
+            *contacts = touching;
+            times.push((all - one) / (FLOORS[1] - FLOORS[0]) as f64 / touching);
         }
-        let more = (FLOORS[1] - FLOORS[0]) as f64;
-        of_bed.push((steps_of_beds[1] - steps_of_beds[0]) / more / touching_of_bed);
         let mut words = run_variables(&packing, ours, [1; 3], 20, steps)?;
         // Every pair once.
         words.extend([("count", "1".to_string()), ("newton", "on".to_string())]);
@@ -195,10 +213,17 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
     Ok(Costs {
         grains,
         walls,
-        bed: (
-            Measured::of(&of_bed).context("no round was run")?,
-            touching_of_bed,
-        ),
+        beds: BEDS
+            .into_iter()
+            .zip(of_beds)
+            .map(|(surface, (times, contacts))| {
+                Ok(Bed {
+                    surface,
+                    per_contact: Measured::of(&times).context("no round was run")?,
+                    contacts,
+                })
+            })
+            .collect::<Result<_>>()?,
         pair: Measured::of(&pairs).context("no round was run")?,
     })
 }
@@ -237,26 +262,31 @@ fn write_squares(
     fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
+/// A surface in words.
+fn surface_title(surface: &str) -> String {
+    match surface {
+        "plane" => "a plane".to_string(),
+        "cylinder" => "a cylinder, within it".to_string(),
+        "mesh" => format!("a flat mesh of {} triangles", 2 * SQUARES * SQUARES),
+        "few triangles" => format!("a flat mesh of {} large triangles", 2 * FEW * FEW),
+        "many triangles" => format!(
+            "one of {} triangles, the same under the layer",
+            2 * MANY * MANY
+        ),
+        "bent mesh" => format!(
+            "a mesh of {} triangles along a cylinder, within it",
+            2 * SQUARES * SQUARES
+        ),
+        _ => format!(
+            "a closed mesh of {} triangles, within it",
+            2 * FACES * SQUARES * SQUARES
+        ),
+    }
+}
+
 impl Case {
     fn title(self) -> String {
-        let surface = match self.surface {
-            "plane" => "a plane".to_string(),
-            "cylinder" => "a cylinder, within it".to_string(),
-            "mesh" => format!("a flat mesh of {} triangles", 2 * SQUARES * SQUARES),
-            "few triangles" => format!("a flat mesh of {} large triangles", 2 * FEW * FEW),
-            "many triangles" => format!(
-                "one of {} triangles, the same under the layer",
-                2 * MANY * MANY
-            ),
-            "bent mesh" => format!(
-                "a mesh of {} triangles along a cylinder, within it",
-                2 * SQUARES * SQUARES
-            ),
-            _ => format!(
-                "a closed mesh of {} triangles, within it",
-                2 * FACES * SQUARES * SQUARES
-            ),
-        };
+        let surface = surface_title(self.surface);
         let place = if self.far { "far from" } else { "on" };
         let energies = if self.energies {
             ", *energies yes*"
@@ -299,14 +329,16 @@ pub fn table(costs: &Costs) -> Table {
             ratio,
         ]);
     }
-    let (per_contact, contacts) = &costs.bed;
-    table.row(vec![
-        format!("a bed of {LAYERS} layers on a plane, the grains of which touch others too: one more such plane"),
-        short(*contacts),
-        per_contact.scaled(*contacts).show(),
-        per_contact.show(),
-        short(per_contact.median / costs.pair.median),
-    ]);
+    for bed in &costs.beds {
+        let surface = surface_title(bed.surface);
+        table.row(vec![
+            format!("a bed of {LAYERS} layers on {surface}, the grains of which touch others too: one more such wall"),
+            short(bed.contacts),
+            bed.per_contact.scaled(bed.contacts).show(),
+            bed.per_contact.show(),
+            short(bed.per_contact.median / costs.pair.median),
+        ]);
+    }
     table
 }
 
@@ -324,11 +356,12 @@ pub fn csv(costs: &Costs) -> String {
             costs.pair.median
         );
     }
-    let (per_contact, contacts) = &costs.bed;
-    let of_grain = per_contact.scaled(*contacts);
-    text += &format!(
-        "bed on a plane,false,{contacts},{},{},{}\n",
-        of_grain.median, of_grain.spread, costs.pair.median
-    );
+    for bed in &costs.beds {
+        let of_grain = bed.per_contact.scaled(bed.contacts);
+        text += &format!(
+            "bed on a {},false,{},{},{},{}\n",
+            bed.surface, bed.contacts, of_grain.median, of_grain.spread, costs.pair.median
+        );
+    }
     text
 }
