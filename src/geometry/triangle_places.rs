@@ -14,13 +14,20 @@ use crate::vector::Vector3;
 /// it acts by its convex pieces, in a part that grows from 0 there (`mixed_corners`): the nearer, the faster and the stronger that pushes.
 pub(crate) const REACH: f64 = 1.08;
 
-/// How far towards the middle of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
+/// How far from the sides of a triangle the place is that must be seen from the body's centre where the triangle acts, in distances
 /// at which triangles meet: clear of what meets it at its border, and still near.
 pub(super) const INSIDE: f64 = 100.0;
+
+/// How far from its border the same place is at most, in the tip of a needle.
+const MOST_INSIDE: f64 = 1000.0;
 
 /// How far from a side the place is that is asked for what continues a triangle beyond it, in distances at which triangles meet: what only meets the side
 /// is not there, and a needle beyond it that is wider than what meets is.
 const BESIDE: f64 = 1.5;
+
+/// How far around the body triangles are kept, in its size. No search looks at a place farther away: what meets is within a body's size of it, and what
+/// hides it is before it.
+const FARTHEST: f64 = REACH + (MOST_INSIDE + INSIDE) * MEETING;
 
 /// Sine of the angle between two faces below which they are taken as one plane. Corners in single precision, as in binary
 /// STL files, turn the normal of a triangle by more: such faces are folds, at which the shares of both faces make the force
@@ -82,13 +89,11 @@ impl<M: Lists> TrianglePlaces<M> {
             Vector3::new(0.0, 1.0, 0.0),
             Vector3::new(0.0, 0.0, 1.0),
         ]
-        .map(|e| REACH * body.support(e).h + meeting);
+        .map(|e| FARTHEST * body.support(e).h);
         let own = Extent {
             low: reach.map(|x| -x),
             high: reach,
         };
-        // No search looks at a place farther away: what meets is within a body's size of it, and what hides it is before it.
-        let most = REACH + 2.0 * INSIDE * MEETING;
         for (index, t) in all.enumerate() {
             let corners = t.map(|p| p - centre);
             let axes = corners.map(|p| p.to_array());
@@ -106,8 +111,8 @@ impl<M: Lists> TrianglePlaces<M> {
             // Where the body is the unit sphere: a vector across the triangle.
             let scaled = body.semi_axes.componentwise(body.to_body(across));
             let square = scaled.norm_squared();
-            if height * height > most * most * square
-                || !comes_within(body, &corners, scaled, height * height / square, most)
+            if height * height > FARTHEST * FARTHEST * square
+                || !comes_within(body, &corners, scaled, height * height / square, FARTHEST)
             {
                 continue;
             }
@@ -270,7 +275,12 @@ impl<M: Lists> TrianglePlaces<M> {
     pub fn is_hidden(&self, own: usize, point: Vector3, meeting: f64) -> bool {
         let t = &self.near[own];
         let inwards = combine(&t.corners, [1.0 / 3.0; 3]) - point;
-        let seen = point + inwards * (INSIDE * meeting / inwards.norm()).min(1.0);
+        let (twice_area, longest) = across(&t.corners);
+        // Of the middle, from the longest side.
+        let height = twice_area.norm() / (3.0 * longest.sqrt());
+        let length = inwards.norm();
+        let meetings = (INSIDE * length / height).clamp(INSIDE, MOST_INSIDE);
+        let seen = point + inwards * (meetings * meeting / length).min(1.0);
         let way = Extent {
             low: seen.to_array().map(|x| x.min(0.0)),
             high: seen.to_array().map(|x| x.max(0.0)),
@@ -423,7 +433,7 @@ mod tests {
                     .map(|p| body.inverse_semi_axes.componentwise(body.to_body(p)));
                 let of_ball = Near::new(k, &unit, Vector3::ZERO, 0.0).unwrap();
                 assert!(is_kept || !of_ball.has(Vector3::ZERO, REACH - 1e-9));
-                let far = REACH + 2.0 * INSIDE * MEETING + 1e-9;
+                let far = FARTHEST + 1e-9;
                 assert!(
                     !is_kept || of_ball.has(Vector3::ZERO, far),
                     "{body:?} {centre:?} {t:?}"

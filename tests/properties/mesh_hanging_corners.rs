@@ -122,31 +122,44 @@ fn unevenly_divided(stream: &mut Stream, wall: &[Triangle]) -> Vec<Triangle> {
 /// search leaves out or sees as an edge.
 const APART: f64 = 0.01;
 
-/// Some triangles cut from their longest side, near its middle, to the corner opposite, some of the parts again, and so on.
-fn cut_anywhere(stream: &mut Stream, wall: &[Triangle]) -> Vec<Triangle> {
+/// Where a triangle is cut.
+#[derive(Clone, Copy, PartialEq)]
+enum Cuts {
+    /// From its longest side, near the middle, to the corner opposite.
+    Across,
+    /// From any side, from a tenth of it on: into needles.
+    IntoNeedles,
+}
+
+/// Some triangles cut from a side to the corner opposite, some of the parts again, and so on.
+fn cut_anywhere(stream: &mut Stream, wall: &[Triangle], cuts: Cuts) -> Vec<Triangle> {
     let mut left: Vec<(Triangle, u32)> = wall.iter().map(|t| (*t, 0)).collect();
     let mut corners: Vec<Vector3> = wall.iter().flatten().copied().collect();
     let mut all = Vec::new();
-    while let Some((t, cuts)) = left.pop() {
-        if cuts == 4 || stream.uniform(0.0, 1.0) < 0.4 {
+    while let Some((t, times)) = left.pop() {
+        if times == 4 || stream.uniform(0.0, 1.0) < 0.4 {
             all.push(t);
             continue;
         }
         let length = |m: &usize| (t[(m + 2) % 3] - t[(m + 1) % 3]).norm();
         let longest = (0..3).max_by(|m, n| length(m).total_cmp(&length(n)));
-        let [a, b, c] = [0, 1, 2].map(|m| t[(longest.expect("three sides") + m) % 3]);
+        let (side, shares) = match cuts {
+            Cuts::Across => (longest.expect("three sides"), [0.35, 0.65]),
+            Cuts::IntoNeedles => (stream.uniform(0.0, 3.0) as usize % 3, [0.1, 0.9]),
+        };
+        let [a, b, c] = [0, 1, 2].map(|m| t[(side + m) % 3]);
         let least = APART * (c - b).norm();
         let is_free = |p: &Vector3| corners.iter().all(|q| (*q - *p).norm() > least);
         let between = (0..20)
-            .map(|_| b + (c - b) * stream.uniform(0.35, 0.65))
+            .map(|_| b + (c - b) * stream.uniform(shares[0], shares[1]))
             .find(is_free);
         let Some(between) = between else {
             all.push(t);
             continue;
         };
         corners.push(between);
-        left.push(([a, b, between], cuts + 1));
-        left.push(([a, between, c], cuts + 1));
+        left.push(([a, b, between], times + 1));
+        left.push(([a, between, c], times + 1));
     }
     all
 }
@@ -185,6 +198,16 @@ fn rows_and_bricks(stream: &mut Stream, width: f64, rough: f64) -> [Vec<Triangle
     all
 }
 
+/// The height of the thinnest triangle over its longest side.
+fn thinnest(wall: &[Triangle]) -> f64 {
+    let of = |t: &Triangle| {
+        let side = |m: usize| (t[(m + 1) % 3] - t[m]).norm();
+        let longest = (0..3).map(side).fold(0.0, f64::max);
+        (t[1] - t[0]).cross(t[2] - t[0]).norm() / (longest * longest)
+    };
+    wall.iter().map(of).fold(1.0, f64::min)
+}
+
 /// Grains on rows of bricks, and on the rows.
 fn visit_bricks(seed: u64, mut found: impl FnMut(&Laws, &Body, &[Triangle], &[Triangle])) {
     let laws = law();
@@ -219,8 +242,10 @@ fn visit_all(seed: u64, mut found: impl FnMut(&str, &Laws, &Body, &[Triangle], &
     visit_floors(seed, |_, _, wall, b| {
         let finer = unevenly_divided(&mut stream, wall);
         found("in one to four parts", &law, b, wall, &finer);
-        let finer = cut_anywhere(&mut stream, wall);
+        let finer = cut_anywhere(&mut stream, wall, Cuts::Across);
         found("cut anywhere", &law, b, wall, &finer);
+        let finer = cut_anywhere(&mut stream, wall, Cuts::IntoNeedles);
+        found("cut into needles", &law, b, wall, &finer);
     });
     visit_bricks(seed + 2, |laws, b, rows, bricks| {
         found("bricks", laws, b, rows, bricks);
@@ -242,8 +267,10 @@ fn is_at_jump(laws: &Laws, b: &Body, wall: &[Triangle], by: f64) -> bool {
 #[test]
 fn corners_on_sides_of_other_triangles_change_nothing() {
     let (mut worst, mut count, mut jumps) = (0.0f64, 0, 0);
+    let mut with_needles = 0;
     for seed in [101, 501, 601] {
         visit_all(seed, |kind, laws, b, wall, finer| {
+            with_needles += usize::from(thinnest(finer) < 0.005);
             if is_at_jump(laws, b, wall, 1e-9) {
                 jumps += 1;
                 return;
@@ -263,9 +290,10 @@ fn corners_on_sides_of_other_triangles_change_nothing() {
         });
     }
     println!(
-        "{count} divisions change the force by up to {worst:.1e} of it; {jumps} others at jumps"
+        "{count} divisions change the force by up to {worst:.1e} of it; {jumps} others at jumps; {with_needles} surfaces with triangles 200 times as long as wide"
     );
     assert!(worst < 1e-9 && 50 * jumps < count, "{worst} {jumps}");
+    assert!(with_needles > 100);
 }
 
 /// The least angle of edges at which two triangles meet.
