@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use anyhow::{bail, Context, Result};
+use anyhow::{Context, Result};
 
 use super::contender::Contender;
 use super::lammps_run::{path_word, timing, touching, Lammps};
@@ -162,8 +162,7 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
             grains = found.atoms;
         }
         for (surface, (times, contacts)) in BEDS.into_iter().zip(&mut of_beds) {
-            let mut of_floors = Vec::new();
-            for floors in FLOORS {
+            let step_and_contacts = |floors: usize| -> Result<(f64, f64)> {
                 let words = [
                     ("surface", surface.to_string()),
                     ("mesh", path_word(&floor)?),
@@ -176,14 +175,11 @@ pub fn run(lammps: &Lammps, effort: &Effort) -> Result<Costs> {
                 let output = lammps.run("layer.lmp", 1, None, &words)?;
                 let found = timing(&output)?;
                 // With the first of the walls.
-                of_floors.push((
-                    found.per_grain(found.step),
-                    touching(&output)? / found.atoms,
-                ));
-            }
-            let [(one, _), (all, touching)] = of_floors[..] else {
-                bail!("a bed has two numbers of walls");
+                let contacts = touching(&output)? / found.atoms;
+                Ok((found.per_grain(found.step), contacts))
             };
+            let (one, _) = step_and_contacts(FLOORS[0])?;
+            let (all, touching) = step_and_contacts(FLOORS[1])?;
             *contacts = touching;
             times.push((all - one) / (FLOORS[1] - FLOORS[0]) as f64 / touching);
         }
