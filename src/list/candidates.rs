@@ -17,10 +17,10 @@ use crate::simd::{Lanes, Line, Registers, MOST_LANES};
 use crate::vector::Vector3;
 
 /// Steps that are expected at first, and at most.
-const FIRST_HORIZON: f64 = 8.0;
+const FIRST_HORIZON: f64 = 24.0;
 const LONGEST_HORIZON: f64 = 1e3;
 /// What is allowed at first, in steps with the largest velocity relative to a neighbour, and within which it follows the motion.
-const FIRST_ALLOWANCE: f64 = 4.0;
+const FIRST_ALLOWANCE: f64 = 12.0;
 const ALLOWANCES: [f64; 2] = [0.25, 1e3];
 /// The least velocity for which a particle is allowed anything, in mean smallest semi-axes a step.
 const LEAST_VELOCITY: f64 = 2e-6;
@@ -34,11 +34,16 @@ const SPARE: f64 = 1.3;
 const SPARE_TURN: f64 = 1.1;
 
 /// What it costs to find the candidates, in units of a candidate's computation: per pair of the list, per pair whose
-/// bounding spheres come near, and per particle. Only their sum was measured, once (some 12 units a grain in a drum that turns, of 18 listed
-/// pairs and 14 near ones); how it divides is a guess. The best number of steps is flat: it goes with the root of the cost.
+/// bounding spheres come near, and per particle. Only their sum was measured: some 12 units a grain in a drum that turns, of 18 listed
+/// pairs and 14 near ones; how it divides is a guess. The best number of steps is flat: it goes with the root of the cost.
 const COST_OF_LISTED: f64 = 0.2;
-const COST_OF_NEAR: f64 = 0.6;
+const COST_OF_NEAR: f64 = 0.4;
 const COST_OF_PARTICLE: f64 = 3.0;
+
+/// A change that is made at once.
+fn limited(change: f64) -> f64 {
+    change.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE)
+}
 
 /// Where a block of particles is expected and allowed to be, number by number, as the lanes load it.
 #[derive(Clone, Copy, Debug)]
@@ -219,14 +224,13 @@ impl Candidates {
         self.steps <= self.last
     }
 
-    /// How much longer it would pay to go on than these candidates did.
+    /// How much longer it would pay to go on than these candidates would have served.
     ///
     /// More steps and more freedom let more pairs in that do not touch, in proportion, and last longer, in proportion: together they
     /// cost least where the candidates cost as much to find as those pairs do while they last.
-    fn best_change(&self) -> f64 {
-        let lanes = self.idle.max(1.0) * f64::from(self.steps.max(1));
-        let best = (self.cost / lanes).sqrt();
-        best.clamp(1.0 / LARGEST_CHANGE, LARGEST_CHANGE)
+    fn best_change(&self, served: f64) -> f64 {
+        let lanes = self.idle.max(1.0) * served;
+        limited((self.cost / lanes).sqrt())
     }
 
     fn adapt(&mut self, horizon: f64, allowance: f64) {
@@ -239,15 +243,20 @@ impl Candidates {
         &mut self,
         arrays: &ParticleArrays<'_, S, I>,
     ) {
-        let best = self.best_change();
-        let needed = (SPARE * self.share_used(arrays)).clamp(1.0 / LARGEST_CHANGE, 1.0);
-        self.adapt(f64::from(self.steps) * best, self.allowance * needed);
+        let last = f64::from(self.last);
+        let best = self.best_change(last);
+        let needed = limited(SPARE * self.share_used(arrays) * best);
+        self.adapt(last * best, self.allowance * needed);
     }
 
     /// The same where a particle has left the place that it was allowed.
+    ///
+    /// It may be one of many that were struck, or the first of all: the candidates would have served between these steps and the last.
     pub fn adapt_when_left(&mut self) {
-        let best = self.best_change();
-        self.adapt(f64::from(self.steps), self.allowance * best);
+        let (steps, last) = (f64::from(self.steps), f64::from(self.last));
+        let served = (steps * last).sqrt();
+        let next = served * self.best_change(served);
+        self.adapt(next, self.allowance * limited(next / steps));
     }
 
     /// How much of what they are allowed the farthest motion has used up.

@@ -80,19 +80,28 @@ impl<K: Kind, const F: bool, const V: bool, const C: bool, const P: bool> Stage
     }
 }
 
-/// Pairs on their way to the test for a separating plane.
+/// Pairs on their way to the candidates, in the order of the list.
 struct Pending<'a> {
+    waiting: [Candidate; MOST_PENDING],
+    /// What the engine remembers of them.
+    history: [[f64; HistoryLayout::LONGEST]; MOST_PENDING],
+    /// Bits of pairs that touched: they are candidates in any case, for their history ends when the contact does.
+    touched: u32,
+    /// The lane in which a separating plane is looked for, or [`NO_LANE`].
+    lane: [u8; MOST_PENDING],
+    count: usize,
+    /// Of the lanes.
     i: [&'a Record; MOST_LANES],
     j: [&'a Record; MOST_LANES],
     start: [Line; MOST_LANES],
     bounds: [Line; MOST_LANES],
-    waiting: [Candidate; MOST_LANES],
-    /// What the engine remembers of them.
-    history: [[f64; HistoryLayout::LONGEST]; MOST_LANES],
-    /// Bits of pairs that touched: they are looked at in any case, for their history ends when the contact does.
-    stay: u32,
-    count: usize,
+    lanes: usize,
 }
+
+/// Room for pairs that touched between those that may be apart.
+const MOST_PENDING: usize = u32::BITS as usize;
+/// For a pair that touched no plane is looked for.
+const NO_LANE: u8 = u8::MAX;
 
 impl<'a> Pending<'a> {
     fn new(any: &'a Record) -> Self {
@@ -103,19 +112,27 @@ impl<'a> Pending<'a> {
             law: 0,
         };
         Pending {
+            waiting: [nowhere; MOST_PENDING],
+            history: [[0.0; HistoryLayout::LONGEST]; MOST_PENDING],
+            touched: 0,
+            lane: [NO_LANE; MOST_PENDING],
+            count: 0,
             i: [any; MOST_LANES],
             j: [any; MOST_LANES],
             start: [Line::ZERO; MOST_LANES],
             bounds: [Line::ZERO; MOST_LANES],
-            waiting: [nowhere; MOST_LANES],
-            history: [[0.0; HistoryLayout::LONGEST]; MOST_LANES],
-            stay: 0,
-            count: 0,
+            lanes: 0,
         }
     }
 
+    /// Whether there is room for one more.
     #[inline(always)]
-    fn push(
+    fn is_full(&self, lanes: usize) -> bool {
+        self.lanes == lanes || self.count == MOST_PENDING
+    }
+
+    #[inline(always)]
+    fn push<K: Kind>(
         &mut self,
         pair: Candidate,
         (i, j): (&'a Record, &'a Record),
@@ -125,22 +142,35 @@ impl<'a> Pending<'a> {
         normal: Option<usize>,
     ) {
         let k = self.count;
-        self.i[k] = i;
-        self.j[k] = j;
+        self.count = k + 1;
         self.waiting[k] = pair;
-        self.bounds[k] = bound.line();
-        self.stay |= u32::from(touched) << k;
         // One by one: a copy of unknown length is a call.
         for (to, from) in self.history[k].iter_mut().zip(history) {
             *to = *from;
         }
+        self.touched |= u32::from(touched) << k;
+        // Of spheres no search looks at the normals: whatever is remembered, that between the centres is one.
+        if touched && !K::SPHERES {
+            self.lane[k] = NO_LANE;
+            return;
+        }
+        let lane = self.lanes;
+        self.lanes = lane + 1;
+        self.lane[k] = lane as u8;
+        self.i[lane] = i;
+        self.j[lane] = j;
+        self.bounds[lane] = bound.line();
         // No unit vector stands for the direction between the centres.
-        let start = &mut self.start[k].0;
+        let start = &mut self.start[lane].0;
+        if K::SPHERES {
+            let n = (j.position() - i.position()).direction();
+            start[..3].copy_from_slice(&n.unwrap_or(Vector3::new(1.0, 0.0, 0.0)).to_array());
+            return;
+        }
         match normal {
             Some(at) => start[..3].copy_from_slice(&history[at..at + 3]),
             None => start[..3].fill(0.0),
         }
-        self.count = k + 1;
     }
 }
 
@@ -273,9 +303,9 @@ fn find_candidates<S: Registers, K: Kind>(
             if touched {
                 check_history(&layout, history, central, other)?;
             }
-            pending.push(pair, (i, j), bound, touched, history, layout.normal);
+            pending.push::<K>(pair, (i, j), bound, touched, history, layout.normal);
             looked_at += 1;
-            if pending.count == S::LANES {
+            if pending.is_full(S::LANES) {
                 settle::<S, K>(registers, &mut pending, laws, candidates);
             }
         }
@@ -650,7 +680,7 @@ fn add_sum(pass: &mut Pass<'_, '_, '_>, sums: &mut [Line], k: usize) {
     *sum = Line::ZERO.0;
 }
 
-/// Makes candidates of the pending pairs that no plane separates.
+/// Makes candidates of the pending pairs that touched, and of those that no plane separates.
 #[inline(always)]
 fn settle<S: Registers, K: Kind>(
     registers: S,
@@ -658,13 +688,8 @@ fn settle<S: Registers, K: Kind>(
     laws: &Laws,
     candidates: &mut Candidates,
 ) {
-    let apart = if K::SPHERES {
-        // Of spheres no search has looked at the normals: whatever is remembered, this is one.
-        for k in 0..pending.count {
-            let d = pending.j[k].position() - pending.i[k].position();
-            let n = d.direction().unwrap_or(Vector3::new(1.0, 0.0, 0.0));
-            pending.start[k].0[..3].copy_from_slice(&n.to_array());
-        }
+    let looked_at = (1u32 << pending.lanes) - 1;
+    let apart = if K::SPHERES || looked_at == 0 {
         0
     } else {
         let Pending {
@@ -672,27 +697,28 @@ fn settle<S: Registers, K: Kind>(
             j,
             start,
             bounds,
-            stay,
             ..
         } = &mut *pending;
-        separated_by::<S, K>(registers, i, j, start, bounds, *stay) & !*stay
+        separated_by::<S, K>(registers, i, j, start, bounds, !looked_at) & looked_at
     };
     let batches = &mut candidates.batches;
     for k in 0..pending.count {
-        if apart >> k & 1 != 0 {
-            continue;
-        }
+        let touched = pending.touched >> k & 1 != 0;
+        let start = match pending.start.get(usize::from(pending.lane[k])) {
+            Some(_) if apart >> pending.lane[k] & 1 != 0 => continue,
+            Some(Line([x, y, z, ..])) => [*x, *y, *z],
+            // No unit vector stands for the direction between the centres.
+            None => [0.0; 3],
+        };
         let pair = pending.waiting[k];
-        let &[x, y, z, ..] = &pending.start[k].0;
         // A batch has one kind of law.
         let other_kinds = laws.types() > 1
             && batches
                 .last()
                 .is_some_and(|last| laws.at(last.law).kinds != laws.at(pair.law).kinds);
-        let touched = pending.stay >> k & 1 != 0;
-        let history = &pending.history[k];
-        batches.push(pair, touched, history, [x, y, z], other_kinds);
+        batches.push(pair, touched, &pending.history[k], start, other_kinds);
     }
-    pending.stay = 0;
+    pending.touched = 0;
     pending.count = 0;
+    pending.lanes = 0;
 }
