@@ -2,9 +2,10 @@
 //! Is a surface of triangles nothing but a plane within a ball? What is in the ball then touches that plane, in one place or not at all, and
 //! no triangle has to be looked at.
 
-use super::plane::Plane;
 use super::triangle::{Near, Triangle, MEETING};
 use super::triangle_places::INSIDE;
+use crate::real::Real;
+use crate::simd::Line;
 use crate::vector::Vector3;
 
 /// Sine of the angle between two triangles up to which they are of one plane here. More than rounding of corners that are 1000 triangles
@@ -20,14 +21,57 @@ const MOST: usize = 128;
 
 /// A ball in which a surface of triangles is a plane.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct FlatPlace {
-    centre: Vector3,
-    radius: f64,
-    /// Its normal is that of a triangle, on either side.
-    pub plane: Plane,
+pub struct FlatPlace<T: Real = f64> {
+    centre: Vector3<T>,
+    radius: T,
+    /// Unit normal of the plane, that of a triangle, on either side.
+    pub normal: Vector3<T>,
+    /// Where the ball's centre lies above the plane, along the normal.
+    height: T,
+}
+
+impl<T: Real> FlatPlace<T> {
+    /// From the numbers of a line, or of one in each lane.
+    #[inline(always)]
+    pub fn of([x, y, z, radius, a, b, c, height]: [T; 8]) -> Self {
+        FlatPlace {
+            centre: Vector3::new(x, y, z),
+            radius,
+            normal: Vector3::new(a, b, c),
+            height,
+        }
+    }
+
+    /// How far the centre of a ball of this radius may be from that of the place for this to have what a body within the ball touches; less than 0
+    /// where there is no room.
+    #[inline(always)]
+    pub fn room(&self, radius: T) -> T {
+        self.radius - radius * (1.0 + LOOKS_BEYOND)
+    }
+
+    /// From the centre of the place to that of a ball.
+    #[inline(always)]
+    pub fn way_to(&self, centre: Vector3<T>) -> Vector3<T> {
+        centre - self.centre
+    }
+
+    /// Height above the plane at the end of a way from the centre of the place.
+    #[inline(always)]
+    pub fn height_after(&self, way: Vector3<T>) -> T {
+        self.normal.dot(way) + self.height
+    }
 }
 
 impl FlatPlace {
+    /// The line of a place that has nothing.
+    pub const NONE: Line = Line([0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0]);
+
+    /// Its numbers, as [`FlatPlace::of`] takes them.
+    pub fn line(&self) -> Line {
+        let (c, n) = (self.centre, self.normal);
+        Line([c.x, c.y, c.z, self.radius, n.x, n.y, n.z, self.height])
+    }
+
     /// A ball about `centre`, if the surface is a plane there. `triangles` are at least all of those that come into it; `memory` is
     /// overwritten.
     pub fn find(
@@ -68,18 +112,17 @@ impl FlatPlace {
         Some(FlatPlace {
             centre,
             radius,
-            plane: Plane {
-                point: centre + stands_for_all.corners[0],
-                normal: stands_for_all.normal,
-            },
+            normal: stands_for_all.normal,
+            height: -stands_for_all.normal.dot(stands_for_all.corners[0]),
         })
     }
 
-    /// Whether what a body within another ball touches is in this one.
+    /// The height of the centre of another ball above the plane, if what a body within the ball touches is in this one.
     #[inline(always)]
-    pub fn has(&self, centre: Vector3, radius: f64) -> bool {
-        let room = self.radius - radius * (1.0 + LOOKS_BEYOND);
-        room > 0.0 && (centre - self.centre).norm_squared() < room * room
+    pub fn height_of(&self, centre: Vector3, radius: f64) -> Option<f64> {
+        let (room, way) = (self.room(radius), self.way_to(centre));
+        let has = room > 0.0 && way.norm_squared() < room * room;
+        has.then(|| self.height_after(way))
     }
 }
 
@@ -130,22 +173,27 @@ mod tests {
         let place = FlatPlace {
             centre: Vector3::new(3.0, -2.0, 5.0),
             radius: 1.0,
-            plane: Plane {
-                point: Vector3::ZERO,
-                normal: Vector3::new(0.0, 0.0, 1.0),
-            },
+            normal: Vector3::new(0.0, 0.0, 1.0),
+            height: 5.0,
         };
         let direction = Vector3::new(0.36, -0.48, 0.8);
         for radius in [0.01, 0.3, 0.7] {
             let room = 1.0 - radius * (1.0 + LOOKS_BEYOND);
             for (off, has) in [(0.0, true), (0.99, true), (1.01, false), (3.0, false)] {
                 let centre = place.centre + direction * (off * room);
-                assert_eq!(place.has(centre, radius), has, "{radius}, {off}");
+                let height = place.height_of(centre, radius);
+                assert_eq!(height.is_some(), has, "{radius}, {off}");
+                assert!(height.is_none_or(|h| (h - centre.z).abs() < 1e-14));
             }
         }
         for off in [0.0, 0.1, 0.5, 5.0] {
-            assert!(!place.has(place.centre + direction * off, 1.5));
+            let centre = place.centre + direction * off;
+            assert!(place.height_of(centre, 1.5).is_none());
         }
+        let none = FlatPlace::of(FlatPlace::NONE.0);
+        assert!(none.height_of(Vector3::ZERO, 0.0).is_none());
+        let again = FlatPlace::of(place.line().0);
+        assert_eq!(again.height_of(place.centre, 0.1), Some(5.0));
     }
 
     /// Bodies in flat places touch the plane where the search finds them to touch the triangles, and nowhere else: sheets with and without
@@ -182,17 +230,17 @@ mod tests {
                 let place_at = centre + Vector3::new(uniform(-0.1, 0.1) * reach, 0.0, 0.0);
                 let place =
                     FlatPlace::find(place_at, 1.25 * reach, sheet.iter().copied(), &mut memory);
-                let Some(place) = place.filter(|p| p.has(centre, reach)) else {
+                let of_place = |p: FlatPlace| Some((p.normal, p.height_of(centre, reach)?));
+                let Some((mut normal, mut height)) = place.and_then(of_place) else {
                     not_flat += 1;
                     continue;
                 };
                 flat += 1;
-                let Plane { point, mut normal } = place.plane;
-                if normal.dot(centre - point) < 0.0 {
-                    normal = -normal;
+                if height < 0.0 {
+                    (normal, height) = (-normal, -height);
                 }
                 let support = body.support(-normal);
-                let penetration = support.h - normal.dot(centre - point);
+                let penetration = support.h - height;
                 search.touch(&body, centre, &sheet);
                 let found = search.contacts();
                 // The search looks into the box about the body, which the foot of one leaves that is deeper in an inclined plane than thick.

@@ -10,8 +10,9 @@ use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
 use super::lone_contacts::{LoneContact, LoneContacts, SearchInput};
 use super::motion::Motion;
+use super::part_in_lanes::SurfaceInLanes;
 use super::recalled::EndOfRecord;
-use super::shape::WholePlane;
+use super::shape::{Shape, ShapeInLanes, WholePlane};
 use super::touching_loads::TouchingLoads;
 use super::wall::{Wall, WallLoad};
 use crate::contact::forces::{ContactForces, MotionChange, Remembered};
@@ -95,9 +96,13 @@ pub fn compute_wall_in_lanes(
     // What this wall has written itself need not be looked at before anything is added.
     let is_own = layout.length() > 0 && wall.with_histories.are_written_in(layout);
     let in_place = EndOfRecord::of(&of_laws).filter(|_| is_own);
-    // Where nothing has to be known of the contacts before, those with the only plane are found as they are computed.
-    let finds_itself = pass.planes.len() == 1 && (in_place.is_some() || layout.length() == 0);
-    if !finds_itself {
+    // Where nothing has to be known of the contacts before, those with the only part are found as they are computed.
+    let may_find = in_place.is_some() || layout.length() == 0;
+    let only = match (pass.only_in_lanes(), &wall.parts[..]) {
+        (Some(part), [shape]) if may_find => Some((part, &**shape)),
+        _ => None,
+    };
+    if only.is_none() {
         pass.find(wall.shapes(), &places, input.instruction_set);
     }
     if in_place.is_some() {
@@ -124,7 +129,8 @@ pub fn compute_wall_in_lanes(
         layout,
         of_laws: &of_laws,
         in_place,
-        finds_itself,
+        only,
+        places: &places,
         near: &wall.near,
         part_forces: &mut wall.part_forces,
         touching_loads: (wall.keeps_inelastic_loads && tallies.is_some())
@@ -147,6 +153,14 @@ pub fn compute_wall_in_lanes(
 }
 
 impl LoneContacts {
+    /// The only part, if lanes find the contacts with it and no surface of it moves in the frame of the wall.
+    fn only_in_lanes(&self) -> Option<ShapeInLanes> {
+        match &self.parts[..] {
+            [only] if !self.with_velocities => only.shape,
+            _ => None,
+        }
+    }
+
     /// The particles that the lanes do not take.
     fn take_others(
         &mut self,
@@ -233,8 +247,9 @@ struct AddForces<'p, 'i, 't> {
     of_laws: &'p HistoryLayout,
     /// Where what the contacts go on from is read in the histories.
     in_place: Option<EndOfRecord>,
-    /// Whether the contacts are not yet found, and are those with the only plane.
-    finds_itself: bool,
+    /// The only part and its shape, if the contacts with it are not yet found.
+    only: Option<(ShapeInLanes, &'p dyn Shape)>,
+    places: &'p SearchInput<'i>,
     near: &'p [usize],
     part_forces: &'p mut [Vector3],
     touching_loads: Option<&'p mut TouchingLoads>,
@@ -256,6 +271,8 @@ struct Numbers {
     mass: Column,
     /// The ends of the records that they go on from, where these are read in place.
     ends: [Line; MOST_LANES],
+    /// Normals out of the wall, in its frame, of surfaces that are in no lines.
+    outwards_in_wall: Columns,
 }
 
 /// What the lanes write of a contact, a line each.
@@ -368,6 +385,7 @@ impl<'i> AddForces<'_, 'i, '_> {
             inverse_mass: Column::default(),
             mass: Column::default(),
             ends: none,
+            outwards_in_wall: Columns::default(),
         };
         let mut results = Results {
             action: none,
@@ -376,10 +394,11 @@ impl<'i> AddForces<'_, 'i, '_> {
             loads: [none; 2],
         };
         let mut next = Next::new(self.input.laws.get(1, self.input.wall_type));
-        while let Some((side, count)) = self.next::<S, K, SURFACES>(registers, &mut next) {
+        while let Some((side, surface, count)) = self.next::<S, K, SURFACES>(registers, &mut next) {
             self.batch::<S, K, SURFACES>(
                 registers,
                 side,
+                surface,
                 &next,
                 count,
                 &axes,
@@ -392,16 +411,20 @@ impl<'i> AddForces<'_, 'i, '_> {
         self.add_sums(&sums);
     }
 
-    /// The next batch: how many contacts it has, and their bodies.
+    /// The next batch: the bodies, their surfaces where these are in no lines, and how many contacts it has.
     #[inline(always)]
+    #[allow(clippy::type_complexity)]
     fn next<S: Registers, K: Kind, const SURFACES: bool>(
         &mut self,
         registers: S,
         next: &mut Next<'i>,
-    ) -> Option<(Side<S, K>, usize)> {
+    ) -> Option<(Side<S, K>, Option<SurfaceInLanes<S>>, usize)> {
         let records = self.input.near.records;
-        while !SURFACES && self.finds_itself && next.near < records.len() {
+        while let Some((part, shape)) = self.only {
             let first = next.near;
+            if first == records.len() {
+                break;
+            }
             let present = S::LANES.min(records.len() - first);
             next.near += present;
             let mut of_lanes = [&records[first]; MOST_LANES];
@@ -409,26 +432,48 @@ impl<'i> AddForces<'_, 'i, '_> {
                 of_lanes[lane] = &records[first + lane];
             }
             let side = K::load(registers, &of_lanes);
-            let (touching, behind, _) = self.lone.planes[0].touch::<S, K>(registers, &side);
-            let touching = touching & ((1 << present) - 1);
+            let (touching, unsure, behind, surface) = if SURFACES {
+                let lanes = (first, present);
+                let found = part.find::<S, K>(registers, shape, self.places, lanes, &side);
+                (found.touching, found.unsure, 0, Some(found.surface))
+            } else {
+                let (touching, behind, _) = self.lone.planes[0].touch::<S, K>(registers, &side);
+                (touching & ((1 << present) - 1), 0, behind, None)
+            };
             for (lane, contact) in next.contacts[..present].iter_mut().enumerate() {
                 *contact = LoneContact {
                     near: (first + lane) as u32,
                     is_behind: behind >> lane & 1 != 0,
+                    turns: SURFACES && part.turns(),
                     ..LoneContact::default()
                 };
             }
             // Where nearly all of them touch, the others are computed with them; else those that do are gathered.
-            let nearly_all = 8 * touching.count_ones() as usize >= 7 * S::LANES;
-            if nearly_all && self.laws_of(next, present) == present {
-                next.index = 0;
-                return Some((side, present));
+            let nearly_all = 8 * touching.count_ones() as usize >= 7 * S::LANES
+                && self.laws_of(next, present) == present;
+            let listed = if nearly_all { 0 } else { touching };
+            let mut lines = [[Line::ZERO; MOST_LANES]; 2];
+            if let Some(surface) = surface.as_ref().filter(|_| listed != 0) {
+                surface.put(registers, &mut lines);
             }
-            let mut left = touching;
+            let mut left = listed | unsure;
             while left != 0 {
                 let lane = left.trailing_zeros() as usize;
                 left &= left - 1;
+                if unsure >> lane & 1 != 0 {
+                    let shapes = core::iter::once(shape);
+                    self.lone.search_one(shapes, self.places, first + lane);
+                    continue;
+                }
                 self.lone.contacts.push(next.contacts[lane]);
+                if SURFACES {
+                    self.lone.surfaces.push([lines[0][lane], lines[1][lane]]);
+                }
+            }
+            if nearly_all {
+                next.taken = touching;
+                next.index = 0;
+                return Some((side, surface, present));
             }
         }
         if next.of_list == 0 {
@@ -444,11 +489,12 @@ impl<'i> AddForces<'_, 'i, '_> {
         let count = self.laws_of(next, most);
         next.index = first;
         next.of_list += count;
+        next.taken = (1 << count) - 1;
         let mut of_lanes = [&records[0]; MOST_LANES];
         for (lane, record) in of_lanes[..S::LANES].iter_mut().enumerate() {
             *record = &records[next.contacts[lane.min(count - 1)].near as usize];
         }
-        Some((K::load(registers, &of_lanes), count))
+        Some((K::load(registers, &of_lanes), None, count))
     }
 
     /// Sets the laws of the next contacts; for how many of these their terms are the same.
@@ -480,6 +526,8 @@ struct Next<'a> {
     laws: [&'a PairLaw; MOST_LANES],
     /// Whether these are one law.
     only: bool,
+    /// Bits of the contacts that act.
+    taken: u32,
     /// The place of the first of those contacts that have been listed.
     index: usize,
     /// The first particle among those that may touch, and the first listed contact, that are in no batch yet.
@@ -495,6 +543,7 @@ impl<'a> Next<'a> {
             contacts: [LoneContact::default(); MOST_LANES],
             laws: [any; MOST_LANES],
             only: true,
+            taken: 0,
             index: 0,
             near: 0,
             of_list: 0,
@@ -513,21 +562,13 @@ struct Batch<'b> {
     continued: u32,
     /// Bits of those of which more is remembered than the lanes take.
     handed_over: u32,
-    /// Its surface, and how fast that is in the frame of the wall; of a wall of planes alone not set.
+    /// Its surface where that is in lines, and how fast it is in the frame of the wall; of a wall of planes alone not set.
     surfaces: [[&'b Line; MOST_LANES]; 2],
     velocities: [&'b Line; MOST_LANES],
     /// Whether one of the surfaces turns with the body's motion.
     turns: bool,
     /// The only plane of a wall that acts on one side.
     one_side: Option<&'b WholePlane>,
-}
-
-/// The surface of each lane's contact in the frame of the world: its normal, and how far the centre lies from the plane that touches it.
-struct SurfaceOfLanes<S: Registers> {
-    outwards: Vector3<Lanes<S>>,
-    height: Lanes<S>,
-    /// The first principal direction; of planes alone zero.
-    direction: Vector3<Lanes<S>>,
 }
 
 impl AddForces<'_, '_, '_> {
@@ -537,6 +578,7 @@ impl AddForces<'_, '_, '_> {
         &mut self,
         registers: S,
         side: Side<S, K>,
+        surface: Option<SurfaceInLanes<S>>,
         next: &Next<'_>,
         count: usize,
         axes: &Option<Axes<S>>,
@@ -547,8 +589,21 @@ impl AddForces<'_, '_, '_> {
         let input = self.input;
         let laws = &next.laws;
         let contacts = &next.contacts[..count];
-        let batch = self.gather::<S, SURFACES>(contacts, next.index, numbers);
-        let surface = surface_of::<S, SURFACES>(registers, &batch, numbers, side.centre);
+        if let Some(surface) = surface.as_ref().filter(|_| SURFACES) {
+            let n = surface.outwards_in_wall;
+            n.x.store(&mut numbers.outwards_in_wall[0]);
+            n.y.store(&mut numbers.outwards_in_wall[1]);
+            n.z.store(&mut numbers.outwards_in_wall[2]);
+        }
+        let in_lines = surface.is_none();
+        let batch = self.gather::<S, SURFACES>(contacts, (next.index, in_lines), numbers);
+        let surface = match surface {
+            Some(surface) if SURFACES => surface,
+            _ if SURFACES => {
+                SurfaceInLanes::read(registers, &batch.surfaces, batch.turns || axes.is_some())
+            }
+            _ => surface_of_planes(registers, &batch, numbers, side.centre),
+        };
         let outwards = surface.outwards;
         let from_centre = side.centre - splat(registers, input.motion.centre());
         let mut seen = SeenFromWall {
@@ -594,11 +649,10 @@ impl AddForces<'_, '_, '_> {
         let constants = constants_of(registers, laws, next.only.then_some(laws[0]));
         let kinds = &laws[0].kinds;
         let ForcesAtSurface { forces: f, hard } = if SURFACES && batch.turns {
-            let b = Lanes::all(registers, registers.columns(&batch.surfaces[1]));
             let wall = CurvedWall {
                 direction: surface.direction,
-                curvatures: [b[0], b[1]],
-                turning_radii: [b[2], b[3]],
+                curvatures: surface.curvatures,
+                turning_radii: surface.turning_radii,
             };
             placed.forces_at_curved(
                 registers,
@@ -613,8 +667,7 @@ impl AddForces<'_, '_, '_> {
             placed.forces(registers, kinds, &constants, &remembered, input.step)
         };
 
-        let present = (1u32 << batch.contacts.len()) - 1;
-        let touching = registers.bits(placed.touching) & present;
+        let touching = registers.bits(placed.touching) & next.taken;
         let hard = touching & (registers.bits(hard) | batch.handed_over);
         let sound = touching & !hard;
         let mask = registers.mask(sound);
@@ -627,10 +680,9 @@ impl AddForces<'_, '_, '_> {
         if self.layout.length() > 0 {
             let mut place = [placed.point(), outwards, f.memory];
             if let (true, Some(axes)) = (SURFACES, axes) {
-                let b = Lanes::all(registers, registers.columns(&batch.surfaces[1]));
                 place = [
                     axes.to_wall(place[0]),
-                    Vector3::new(b[4], b[5], b[6]),
+                    surface.outwards_in_wall,
                     axes.to_wall(place[2]),
                 ];
             }
@@ -662,7 +714,7 @@ impl AddForces<'_, '_, '_> {
     fn gather<'b, S: Registers, const SURFACES: bool>(
         &'b self,
         contacts: &'b [LoneContact],
-        first: usize,
+        (first, in_lines): (usize, bool),
         numbers: &mut Numbers,
     ) -> Batch<'b> {
         let near = &self.input.near;
@@ -671,7 +723,11 @@ impl AddForces<'_, '_, '_> {
         let range = first..first + contacts.len();
         let last = lone.last.get(range.clone()).unwrap_or(&[]);
         let velocities = lone.velocities.get(range.clone()).unwrap_or(&[]);
-        let surfaces = if SURFACES { &lone.surfaces[range] } else { &[] };
+        let surfaces = if SURFACES && in_lines {
+            &lone.surfaces[range]
+        } else {
+            &[]
+        };
         let masses = self.input.masses.filter(|_| self.touching_loads.is_some());
         let one_side = match &lone.planes[..] {
             [plane] if !SURFACES && !plane.both_sides => Some(plane),
@@ -699,15 +755,22 @@ impl AddForces<'_, '_, '_> {
                 let row = &self.histories[k * length..(k + 1) * length];
                 // Of several contacts with one part the nearest is meant.
                 batch.handed_over |= u32::from(SURFACES && row[0] > 1.0) << lane;
-                let inwards = || -lone.outwards_of(contact, surfaces.get(index));
+                let inwards = || {
+                    if SURFACES && !in_lines {
+                        let [x, y, z] = &numbers.outwards_in_wall;
+                        return -Vector3::new(x[index], y[index], z[index]);
+                    }
+                    -lone.outwards_of(contact, surfaces.get(index))
+                };
                 let end = (self.layout).end_of_record(row, contact.part as usize, inwards);
                 batch.continued |= u32::from(end.is_some()) << lane;
                 numbers.ends[lane] = end.map_or(Line::ZERO, |end| Line(*end));
             }
             if SURFACES {
-                let [a, b] = &surfaces[index];
-                batch.surfaces[0][lane] = a;
-                batch.surfaces[1][lane] = b;
+                if let Some([a, b]) = surfaces.get(index) {
+                    batch.surfaces[0][lane] = a;
+                    batch.surfaces[1][lane] = b;
+                }
                 batch.turns |= contact.turns;
                 if let Some(line) = velocities.get(index) {
                     batch.velocities[lane] = line;
@@ -848,22 +911,14 @@ fn add_vector_where<S: Registers>(
     add_where(mask, &mut sum.z, a.z);
 }
 
-/// The surfaces of a batch.
+/// The surfaces of a batch at planes.
 #[inline(always)]
-fn surface_of<S: Registers, const SURFACES: bool>(
+fn surface_of_planes<S: Registers>(
     registers: S,
     batch: &Batch<'_>,
     numbers: &Numbers,
     centre: Vector3<Lanes<S>>,
-) -> SurfaceOfLanes<S> {
-    if SURFACES {
-        let a = Lanes::all(registers, registers.columns(&batch.surfaces[0]));
-        return SurfaceOfLanes {
-            outwards: Vector3::new(a[0], a[1], a[2]),
-            height: a[3],
-            direction: Vector3::new(a[4], a[5], a[6]),
-        };
-    }
+) -> SurfaceInLanes<S> {
     let (outwards, point) = match batch.one_side {
         Some(plane) => (
             splat(registers, plane.normal),
@@ -874,12 +929,8 @@ fn surface_of<S: Registers, const SURFACES: bool>(
             load(registers, &numbers.point),
         ),
     };
-    let zero = Lanes::splat(registers, 0.0);
-    SurfaceOfLanes {
-        outwards,
-        height: outwards.dot(centre - point),
-        direction: Vector3::new(zero, zero, zero),
-    }
+    let height = outwards.dot(centre - point);
+    SurfaceInLanes::flat(registers, outwards, height, outwards)
 }
 
 /// The masses of the particles against a wall that nothing moves; 0 where no law reads them.

@@ -2,20 +2,16 @@
 //! Which particles touch a wall in one place and no other? Planes, places where a mesh is
 //! one, and cylinders and cones from within, are searched in lanes, other shapes particle by particle.
 
-use super::cone_in_lanes::TouchedInLanes;
 use super::contacts::{touch_shapes, Searched};
 use super::motion::Motion;
 use super::shape::{Ball, Grain, Search, Shape, ShapeInLanes, WholePlane};
 use crate::contact::particle::Particle;
 use crate::contact::staged::WallSurface;
-use crate::contact::vectors_in_lanes::splat;
 use crate::contact::Step;
-use crate::geometry::{ConvexBody, Plane};
-use crate::list::shapes::{Ellipsoids, Kind, Side as SideOfPairs, Spheroids};
+use crate::list::shapes::{Ellipsoids, Kind, Spheroids};
 use crate::list::{ParticleRecords, Shapes};
-use crate::real::Real;
-use crate::simd::{put, InstructionSet, Lanes, Line, Registers, Stage, MOST_LANES};
-use crate::vector::{Tangent, Vector3};
+use crate::simd::{InstructionSet, Line, Registers, Stage, MOST_LANES};
+use crate::vector::Vector3;
 
 /// The contact of a particle that has no other.
 #[derive(Clone, Copy, Debug, Default)]
@@ -70,7 +66,7 @@ pub(super) struct LoneContacts {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PartInLanes {
     /// Where it is; `None` where particles are searched one by one.
-    shape: Option<ShapeInLanes>,
+    pub(super) shape: Option<ShapeInLanes>,
     /// Bits of the lanes that touch it.
     touching: u32,
     /// Those of them behind a plane.
@@ -90,7 +86,7 @@ pub(super) struct SearchInput<'a> {
 impl SearchInput<'_> {
     /// The ball that contains a particle, in the frame of the wall.
     #[inline(always)]
-    fn ball<K: Kind>(&self, near: usize) -> Ball {
+    pub(super) fn ball<K: Kind>(&self, near: usize) -> Ball {
         let record = &self.near.records[near];
         Ball {
             particle: self.indices[near],
@@ -156,7 +152,7 @@ impl LoneContacts {
 
     /// Searches for the contacts of one particle with all parts.
     #[inline(never)]
-    fn search_one<'s>(
+    pub(super) fn search_one<'s>(
         &mut self,
         shapes: impl Iterator<Item = &'s dyn Shape>,
         places: &SearchInput<'_>,
@@ -267,51 +263,6 @@ fn lines_of(s: &WallSurface, centre: Vector3, motion: &Motion) -> SurfaceLines {
     ]
 }
 
-impl ShapeInLanes {
-    /// The same, where the wall is.
-    fn in_world(&self, motion: &Motion) -> ShapeInLanes {
-        match self {
-            ShapeInLanes::Plane(plane) => ShapeInLanes::Plane(WholePlane {
-                point: motion.point_to_world(plane.point),
-                normal: motion.to_world(plane.normal),
-                ..*plane
-            }),
-            ShapeInLanes::Cone(side) => ShapeInLanes::Cone(side.in_world(motion)),
-            ShapeInLanes::PlaneInPlaces => ShapeInLanes::PlaneInPlaces,
-        }
-    }
-}
-
-impl WholePlane {
-    /// Its normal on the side of a contact.
-    pub(super) fn outwards(&self, contact: &LoneContact) -> Vector3 {
-        if contact.is_behind {
-            -self.normal
-        } else {
-            self.normal
-        }
-    }
-
-    /// Lanes that touch it, those behind it, and the heights of the centres above it.
-    #[inline(always)]
-    pub(super) fn touch<S: Registers, K: Kind>(
-        &self,
-        registers: S,
-        side: &SideOfPairs<S, K>,
-    ) -> (u32, u32, Lanes<S>) {
-        let normal = splat(registers, self.normal);
-        let height = normal.dot(side.centre - splat(registers, self.point));
-        let (support, _) = side.body.support_in_world(normal);
-        let (behind, height) = if self.both_sides {
-            let behind = height.less(height.constant(0.0));
-            (registers.bits(behind), height.abs())
-        } else {
-            (0, height)
-        };
-        (registers.bits(height.less(support)), behind, height)
-    }
-}
-
 /// See [`LoneContacts::find`].
 struct Find<'p, 'a, I> {
     shapes: I,
@@ -333,7 +284,6 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
     #[inline(always)]
     fn find<S: Registers, K: Kind>(self, registers: S) {
         let records = self.places.near.records;
-        let motion = self.places.motion;
         let found = self.contacts;
         let with_surfaces = found.planes.is_empty();
         for first in (0..records.len()).step_by(S::LANES) {
@@ -347,37 +297,19 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
             let (mut once, mut twice, mut unsure) = (0u32, 0u32, 0u32);
             for (part, shape) in found.parts.iter_mut().zip(self.shapes.clone()) {
                 match part.shape {
-                    Some(ShapeInLanes::Plane(plane)) => {
-                        let (touching, behind, height) = plane.touch::<S, K>(registers, &side);
+                    Some(ShapeInLanes::Plane(plane)) if !with_surfaces => {
+                        let (touching, behind, _) = plane.touch::<S, K>(registers, &side);
                         part.touching = touching & all;
                         part.behind = behind;
-                        if with_surfaces && part.touching != 0 {
-                            put_plane(registers, &plane, motion, (behind, height), part);
-                        }
                     }
-                    Some(ShapeInLanes::Cone(cone)) => {
-                        let touched = cone.touch(registers, side.centre, &side.body);
-                        part.touching = registers.bits(touched.touching) & all;
-                        unsure |= registers.bits(touched.unsure) & all;
-                        if part.touching != 0 {
-                            put_cone(registers, &touched, motion, &mut part.surfaces);
-                        }
-                    }
-                    Some(ShapeInLanes::PlaneInPlaces) => {
-                        let mut planes = PlanesOfLanes::none();
-                        for lane in 0..present {
-                            let ball = self.places.ball::<K>(first + lane);
-                            match shape.plane_at(&ball) {
-                                Some(plane) => planes.put(lane, plane, &ball, motion),
-                                None => unsure |= u32::from(shape.may_touch(&ball)) << lane,
-                            }
-                        }
-                        part.touching = 0;
-                        if planes.lanes != 0 {
-                            part.touching = planes.touch::<S, K>(registers, &side);
-                        }
-                        if part.touching != 0 {
-                            planes.put_surfaces(registers, motion, &mut part.surfaces);
+                    Some(in_lanes) => {
+                        let lanes = (first, present);
+                        let of_part =
+                            in_lanes.find::<S, K>(registers, shape, self.places, lanes, &side);
+                        part.touching = of_part.touching;
+                        unsure |= of_part.unsure;
+                        if of_part.touching != 0 {
+                            of_part.surface.put(registers, &mut part.surfaces);
                         }
                     }
                     None => {
@@ -410,7 +342,7 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
                         near: near as u32,
                         part: index as u32,
                         is_behind: part.behind >> lane & 1 != 0,
-                        turns: matches!(part.shape, Some(ShapeInLanes::Cone(_))),
+                        turns: part.shape.is_some_and(|shape| shape.turns()),
                     });
                     if found.with_velocities {
                         found.velocities.push(Line::ZERO);
@@ -423,140 +355,4 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
             }
         }
     }
-}
-
-/// Writes the surfaces of the lanes at a plane.
-#[inline(always)]
-fn put_plane<S: Registers>(
-    registers: S,
-    plane: &WholePlane,
-    motion: &Motion,
-    (behind, height): (u32, Lanes<S>),
-    part: &mut PartInLanes,
-) {
-    let one = Lanes::splat(registers, 1.0);
-    let sign = Lanes::select(registers.mask(behind), -one, one);
-    let n = splat(registers, plane.normal) * sign;
-    let w = splat(registers, motion.to_wall(plane.normal)) * sign;
-    let d = splat(registers, Tangent::new(plane.normal).u);
-    put_flat(registers, (n, height, d), w, &mut part.surfaces);
-}
-
-/// Writes flat surfaces: normal, height of the centre above them, and a direction in the frame of the world, and the normal in that of the
-/// wall.
-#[inline(always)]
-fn put_flat<S: Registers>(
-    registers: S,
-    (n, height, d): (Vector3<Lanes<S>>, Lanes<S>, Vector3<Lanes<S>>),
-    w: Vector3<Lanes<S>>,
-    [a, b]: &mut [[Line; MOST_LANES]; 2],
-) {
-    let zero = Lanes::splat(registers, 0.0);
-    let infinite = zero.constant(f64::INFINITY);
-    put(registers, [n.x, n.y, n.z, height, d.x, d.y, d.z, zero], a);
-    put(
-        registers,
-        [zero, zero, infinite, infinite, w.x, w.y, w.z, zero],
-        b,
-    );
-}
-
-/// A vector in the frame of a wall.
-#[inline(always)]
-fn to_wall<S: Registers>(registers: S, motion: &Motion, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
-    match motion.axes {
-        None => v,
-        Some([x, y, z]) => Vector3::new(
-            splat(registers, x).dot(v),
-            splat(registers, y).dot(v),
-            splat(registers, z).dot(v),
-        ),
-    }
-}
-
-/// Planes of which each lane has its own.
-#[repr(C, align(64))]
-struct PlanesOfLanes {
-    /// Normals towards the particles, in the frame of the world, and the heights of the centres.
-    numbers: [[f64; MOST_LANES]; 4],
-    /// Bits of the lanes that have one.
-    lanes: u32,
-}
-
-impl PlanesOfLanes {
-    /// None yet, and numbers that can be computed with.
-    #[inline(always)]
-    fn none() -> Self {
-        let [zero, one] = [0.0, 1.0].map(|x| [x; MOST_LANES]);
-        PlanesOfLanes {
-            numbers: [zero, zero, one, zero],
-            lanes: 0,
-        }
-    }
-
-    #[inline(always)]
-    fn put(&mut self, lane: usize, plane: &Plane, ball: &Ball, motion: &Motion) {
-        let height = plane.normal.dot(ball.centre - plane.point);
-        let normal = motion.to_world(plane.normal);
-        let sign = if height < 0.0 { -1.0 } else { 1.0 };
-        let of_lane = [normal.x, normal.y, normal.z, height];
-        for (numbers, number) in self.numbers.iter_mut().zip(of_lane) {
-            numbers[lane] = sign * number;
-        }
-        self.lanes |= 1 << lane;
-    }
-
-    #[inline(always)]
-    fn normal_and_height<S: Registers>(&self, registers: S) -> (Vector3<Lanes<S>>, Lanes<S>) {
-        let [x, y, z, height] = &self.numbers;
-        let normal = Vector3::new(
-            Lanes::load(registers, x),
-            Lanes::load(registers, y),
-            Lanes::load(registers, z),
-        );
-        (normal, Lanes::load(registers, height))
-    }
-
-    /// Lanes that touch theirs.
-    #[inline(always)]
-    fn touch<S: Registers, K: Kind>(&self, registers: S, side: &SideOfPairs<S, K>) -> u32 {
-        let (normal, height) = self.normal_and_height(registers);
-        let (support, _) = side.body.support_in_world(normal);
-        registers.bits(height.less(support)) & self.lanes
-    }
-
-    /// Writes them as the surfaces of the lanes; those of lanes without one are not to be read.
-    #[inline(always)]
-    fn put_surfaces<S: Registers>(
-        &self,
-        registers: S,
-        motion: &Motion,
-        surfaces: &mut [[Line; MOST_LANES]; 2],
-    ) {
-        let (n, height) = self.normal_and_height(registers);
-        let flat = (n, height, Tangent::new(n).u);
-        put_flat(registers, flat, to_wall(registers, motion, n), surfaces);
-    }
-}
-
-/// The same of a cylinder or a cone from within.
-#[inline(always)]
-fn put_cone<S: Registers>(
-    registers: S,
-    touched: &TouchedInLanes<S>,
-    motion: &Motion,
-    [a, b]: &mut [[Line; MOST_LANES]; 2],
-) {
-    let zero = Lanes::splat(registers, 0.0);
-    let (n, d, height) = (touched.outwards, touched.direction, touched.height);
-    let w = to_wall(registers, motion, n);
-    let radius = -touched.radius;
-    let infinite = zero.constant(f64::INFINITY);
-    put(registers, [n.x, n.y, n.z, height, d.x, d.y, d.z, zero], a);
-    let curvature = radius.reciprocal();
-    put(
-        registers,
-        [curvature, zero, radius, infinite, w.x, w.y, w.z, zero],
-        b,
-    );
 }

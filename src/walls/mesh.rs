@@ -9,8 +9,8 @@ use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::edge_to_edge;
 use crate::geometry::rounded_corners;
 use crate::geometry::triangles::Triangle;
-use crate::geometry::Plane;
 use crate::message::Numbers;
+use crate::simd::Line;
 use crate::vector::Vector3;
 
 /// Triangles and the boxes around them.
@@ -192,8 +192,16 @@ impl Shape for Mesh {
     /// Within the box of a mesh, which most particles are in a vessel, the triangles tell.
     fn mark_near(&mut self, balls: &[Ball], marks: &mut [bool]) {
         for (ball, mark) in balls.iter().zip(marks) {
+            let Ball {
+                particle,
+                centre,
+                radius,
+            } = *ball;
+            if let Some(reaches) = self.near.plane_reaches(particle, centre, radius) {
+                *mark |= reaches;
+                continue;
+            }
             *mark |= self.may_touch(ball) && {
-                let Ball { centre, radius, .. } = *ball;
                 let finite = (centre.x + centre.y + centre.z + radius).is_finite();
                 let triangles = Triangles {
                     all: &self.triangles,
@@ -201,17 +209,17 @@ impl Shape for Mesh {
                     tree: &self.tree,
                 };
                 let ball_of = (centre, radius);
-                !finite || self.near.may_reach(ball.particle, ball_of, triangles)
+                !finite || self.near.may_reach(particle, ball_of, triangles)
             };
         }
     }
 
     fn in_lanes(&self) -> Option<ShapeInLanes> {
-        Some(ShapeInLanes::PlaneInPlaces)
+        Some(ShapeInLanes::PlaneInPlaces { solid: None })
     }
 
-    fn plane_at(&self, ball: &Ball) -> Option<&Plane> {
-        self.near.plane_at(ball.particle, ball.centre, ball.radius)
+    fn flat_places(&self) -> &[Line] {
+        self.near.flat_places()
     }
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {

@@ -35,6 +35,8 @@ mod near_triangles;
 pub mod one_particle;
 #[cfg(feature = "std")]
 mod one_plane;
+#[cfg(feature = "std")]
+mod part_in_lanes;
 // Public for the kernels in `gpu/`; no interface for others.
 #[doc(hidden)]
 pub mod parts;

@@ -9,7 +9,7 @@ use crate::geometry::box_tree::{BoxTree, Extent};
 use crate::geometry::flat_place::FlatPlace;
 use crate::geometry::triangle::{Near, Triangle};
 use crate::geometry::triangle_places::REACH;
-use crate::geometry::Plane;
+use crate::simd::Line;
 use crate::vector::Vector3;
 
 /// By this share of a particle's radius its place is larger. A larger one is left more seldom, and has more triangles to look at in each
@@ -27,6 +27,8 @@ const LEAST: usize = 4096;
 #[derive(Clone, Debug, Default)]
 pub(super) struct NearTriangles {
     places: Vec<Place>,
+    /// The balls in them in which the mesh is a plane, [`FlatPlace::NONE`] where it is not.
+    flat: Vec<Line>,
     triangles: Vec<u32>,
     /// How many of them belong to a place.
     used: usize,
@@ -47,8 +49,6 @@ struct Place {
     extent: Extent,
     from: usize,
     count: usize,
-    /// The ball in it in which the mesh is a plane.
-    flat: Option<FlatPlace>,
 }
 
 impl Place {
@@ -60,7 +60,6 @@ impl Place {
         },
         from: 0,
         count: 0,
-        flat: None,
     };
 }
 
@@ -72,11 +71,18 @@ impl NearTriangles {
         inside.then(|| &self.triangles[place.from..place.from + place.count])
     }
 
-    /// The plane that the mesh is to all that a ball holds, if it is one there and that is known.
+    /// Where the mesh is a plane, by the indices of the particles, of those that were looked at: lines of [`FlatPlace`].
+    pub fn flat_places(&self) -> &[Line] {
+        &self.flat
+    }
+
+    /// Whether the plane that the mesh is to all that a ball holds comes into the ball, if it is one there and that is known. Not of a ball
+    /// of which a number is not finite.
     #[inline(always)]
-    pub fn plane_at(&self, particle: usize, centre: Vector3, radius: f64) -> Option<&Plane> {
-        let flat = self.places.get(particle)?.flat.as_ref()?;
-        flat.has(centre, radius).then_some(&flat.plane)
+    pub fn plane_reaches(&self, particle: usize, centre: Vector3, radius: f64) -> Option<bool> {
+        let flat = FlatPlace::of(self.flat.get(particle)?.0);
+        let height = flat.height_of(centre, radius)?;
+        Some(height.abs() < reach_of_ball(radius))
     }
 
     /// Whether triangles may reach into a ball of a finite centre and radius. What is found is kept.
@@ -86,19 +92,21 @@ impl NearTriangles {
         (centre, radius): (Vector3, f64),
         triangles: Triangles<'_>,
     ) -> bool {
-        let reach = reach_of_ball(radius);
-        let comes_into = |plane: &Plane| plane.normal.dot(centre - plane.point).abs() < reach;
-        if let Some(plane) = self.plane_at(particle, centre, radius) {
-            return comes_into(plane);
+        if let Some(reaches) = self.plane_reaches(particle, centre, radius) {
+            return reaches;
         }
         let needed = Extent::about(centre.to_array(), radius * (REACH + MARGIN));
         let place = self.places.get(particle);
+        let was_plane = self
+            .flat
+            .get(particle)
+            .is_some_and(|f| *f != FlatPlace::NONE);
         // A plane is worth looking for it again.
-        if place.is_none_or(|p| p.flat.is_some() || !p.extent.contains(&needed)) {
+        if was_plane || place.is_none_or(|p| !p.extent.contains(&needed)) {
             self.find(particle, (centre, radius), triangles);
             // A call that is repeated gets the same answer.
-            if let Some(plane) = self.plane_at(particle, centre, radius) {
-                return comes_into(plane);
+            if let Some(reaches) = self.plane_reaches(particle, centre, radius) {
+                return reaches;
             }
         }
         let ball = InBall::new(centre, radius);
@@ -117,10 +125,12 @@ impl NearTriangles {
     ) {
         if self.places.len() <= particle {
             self.places.resize(particle + 1, Place::NONE);
+            self.flat.resize(particle + 1, FlatPlace::NONE);
         }
         self.used -= self.places[particle].count;
         if self.triangles.len() > 2 * self.used + LEAST {
             self.places.fill(Place::NONE);
+            self.flat.fill(FlatPlace::NONE);
             self.triangles.clear();
             self.used = 0;
         }
@@ -138,7 +148,6 @@ impl NearTriangles {
                 extent,
                 from,
                 count,
-                flat: None,
             };
             if count == 0 {
                 break;
@@ -148,10 +157,12 @@ impl NearTriangles {
         let near = &mut self.triangles[from..];
         near.sort_unstable();
         self.used += near.len();
+        let mut flat = None;
         if !near.is_empty() {
             let corners = near.iter().map(|t| triangles.all[*t as usize]);
             let reach = radius * (1.0 + SPARE);
-            self.places[particle].flat = FlatPlace::find(centre, reach, corners, &mut self.memory);
+            flat = FlatPlace::find(centre, reach, corners, &mut self.memory);
         }
+        self.flat[particle] = flat.map_or(FlatPlace::NONE, |place| place.line());
     }
 }

@@ -12,7 +12,7 @@ use crate::geometry::cone::Cone;
 use crate::geometry::triangles::{Triangle, TriangleSearch};
 use crate::geometry::Ellipsoid;
 #[cfg(feature = "std")]
-use crate::geometry::Plane;
+use crate::simd::Line;
 use crate::vector::Vector3;
 #[cfg(feature = "std")]
 use core::any::Any;
@@ -277,10 +277,11 @@ pub trait Shape: Any + Debug + Send + Sync {
         None
     }
 
-    /// The plane that it is to all that touches within a ball, on the side of each body's centre; of a
+    /// The places in which it is a plane to all that touches there, on the side of each body's centre: lines of
+    /// [`FlatPlace`](crate::geometry::flat_place::FlatPlace) in its frame, by the indices of the particles, of those that were looked at; of a
     /// [`ShapeInLanes::PlaneInPlaces`] alone.
-    fn plane_at(&self, _: &Ball) -> Option<&Plane> {
-        None
+    fn flat_places(&self) -> &[Line] {
+        &[]
     }
 
     /// Its triangles; none for a surface that is not made of them, or that an engine lends.
@@ -296,8 +297,11 @@ pub enum ShapeInLanes {
     Plane(WholePlane),
     /// A cylinder or a cone.
     Cone(ConeSide),
-    /// To some particles it is a plane ([`Shape::plane_at`]), to others anything.
-    PlaneInPlaces,
+    /// To some particles it is a plane ([`Shape::flat_places`]), to others anything.
+    PlaneInPlaces {
+        /// The box, in its frame, in which centres are within it, where none of these places serve.
+        solid: Option<[Vector3; 2]>,
+    },
 }
 
 /// A plane without an end.

@@ -8,8 +8,8 @@ use super::triangle_contacts::surface;
 use crate::geometry::nearest_line::towards_line;
 use crate::geometry::share::Share;
 use crate::geometry::triangles::{Feature, Triangle, TriangleContact};
-use crate::geometry::Plane;
 use crate::message::Numbers;
+use crate::simd::Line;
 use crate::vector::Vector3;
 use core::f64::consts::FRAC_PI_2;
 
@@ -207,14 +207,12 @@ impl Shape for SolidBlock {
     }
 
     fn in_lanes(&self) -> Option<ShapeInLanes> {
-        self.mesh.in_lanes()
+        let solid = [self.low, self.high].map(Vector3::from_array);
+        Some(ShapeInLanes::PlaneInPlaces { solid: Some(solid) })
     }
 
-    fn plane_at(&self, ball: &Ball) -> Option<&Plane> {
-        if self.has(ball.centre) {
-            return None;
-        }
-        self.mesh.plane_at(ball)
+    fn flat_places(&self) -> &[Line] {
+        self.mesh.flat_places()
     }
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {

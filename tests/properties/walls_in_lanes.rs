@@ -86,6 +86,13 @@ fn sheet() -> Wall {
     wall
 }
 
+/// A block from without, larger than a grain: most of them touch one face, some are within it.
+fn block() -> Wall {
+    let mut wall = Wall::new();
+    wall.add_block([-4.0, -5.0, -6.0], [4.0, 5.0, 4.0]).unwrap();
+    wall
+}
+
 /// A place in the frame of the wall from where a grain touches two parts of a surface, or two faces of it, if it is one of those that
 /// have such places.
 pub fn corner(surface: &str, stream: &mut Stream) -> Option<Vector3> {
@@ -115,6 +122,7 @@ pub fn surfaces() -> Vec<(&'static str, Wall)> {
         ("outside a sphere", shape("sphere", Side::Outside)),
         ("stairs", stairs()),
         ("sheet", sheet()),
+        ("outside a block", block()),
         ("within a drum", drum(Side::Inside, [End::Closed; 2])),
         ("at a cup", drum(Side::OfCentre, [End::Closed, End::Open])),
     ]
