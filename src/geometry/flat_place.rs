@@ -5,7 +5,6 @@
 use super::triangle::{Near, Triangle, MEETING};
 use super::triangle_places::INSIDE;
 use crate::real::Real;
-use crate::simd::Line;
 use crate::vector::Vector3;
 
 /// Sine of the angle between two triangles up to which they are of one plane here. More than rounding of corners that are 1000 triangles
@@ -31,7 +30,7 @@ pub struct FlatPlace<T: Real = f64> {
 }
 
 impl<T: Real> FlatPlace<T> {
-    /// From the numbers of a line, or of one in each lane.
+    /// From its eight numbers, or those of one in each lane.
     #[inline(always)]
     pub fn of([x, y, z, radius, a, b, c, height]: [T; 8]) -> Self {
         FlatPlace {
@@ -63,13 +62,13 @@ impl<T: Real> FlatPlace<T> {
 }
 
 impl FlatPlace {
-    /// The line of a place that has nothing.
-    pub const NONE: Line = Line([0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0]);
+    /// The numbers of a place that has nothing.
+    pub const NONE: [f64; 8] = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0];
 
     /// Its numbers, as [`FlatPlace::of`] takes them.
-    pub fn line(&self) -> Line {
+    pub fn numbers(&self) -> [f64; 8] {
         let (c, n) = (self.centre, self.normal);
-        Line([c.x, c.y, c.z, self.radius, n.x, n.y, n.z, self.height])
+        [c.x, c.y, c.z, self.radius, n.x, n.y, n.z, self.height]
     }
 
     /// A ball about `centre`, if the surface is a plane there. `triangles` are at least all of those that come into it; `memory` is
@@ -190,9 +189,9 @@ mod tests {
             let centre = place.centre + direction * off;
             assert!(place.height_of(centre, 1.5).is_none());
         }
-        let none = FlatPlace::of(FlatPlace::NONE.0);
+        let none = FlatPlace::of(FlatPlace::NONE);
         assert!(none.height_of(Vector3::ZERO, 0.0).is_none());
-        let again = FlatPlace::of(place.line().0);
+        let again = FlatPlace::of(place.numbers());
         assert_eq!(again.height_of(place.centre, 0.1), Some(5.0));
     }
 

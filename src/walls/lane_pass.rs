@@ -8,9 +8,9 @@
 use super::compute::{add_forces_of_found, works_in_lanes, WallError, WallInput, WallOutput};
 use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
-use super::lone_contacts::{LoneContact, LoneContacts, SearchInput};
+use super::lone_contacts::{LoneContact, LoneContacts};
 use super::motion::Motion;
-use super::part_in_lanes::SurfaceInLanes;
+use super::part_in_lanes::{SearchInput, SurfaceInLanes};
 use super::recalled::EndOfRecord;
 use super::shape::{Shape, ShapeInLanes, WholePlane};
 use super::touching_loads::TouchingLoads;

@@ -4,12 +4,12 @@
 
 use super::contacts::{touch_shapes, Searched};
 use super::motion::Motion;
-use super::shape::{Ball, Grain, Search, Shape, ShapeInLanes, WholePlane};
+use super::part_in_lanes::SearchInput;
+use super::shape::{Grain, Search, Shape, ShapeInLanes, WholePlane};
 use crate::contact::particle::Particle;
 use crate::contact::staged::WallSurface;
-use crate::contact::Step;
 use crate::list::shapes::{Ellipsoids, Kind, Spheroids};
-use crate::list::{ParticleRecords, Shapes};
+use crate::list::Shapes;
 use crate::simd::{InstructionSet, Line, Registers, Stage, MOST_LANES};
 use crate::vector::Vector3;
 
@@ -72,28 +72,6 @@ pub(super) struct PartInLanes {
     /// Those of them behind a plane.
     behind: u32,
     surfaces: [[Line; MOST_LANES]; 2],
-}
-
-/// What the search is given.
-pub(super) struct SearchInput<'a> {
-    /// The particles that may touch, and their indices.
-    pub(super) near: ParticleRecords<'a>,
-    pub(super) indices: &'a [usize],
-    pub(super) motion: &'a Motion,
-    pub(super) step: &'a Step,
-}
-
-impl SearchInput<'_> {
-    /// The ball that contains a particle, in the frame of the wall.
-    #[inline(always)]
-    pub(super) fn ball<K: Kind>(&self, near: usize) -> Ball {
-        let record = &self.near.records[near];
-        Ball {
-            particle: self.indices[near],
-            centre: self.motion.point_to_wall(record.position()),
-            radius: K::radius(record),
-        }
-    }
 }
 
 impl LoneContacts {
@@ -261,6 +239,17 @@ fn lines_of(s: &WallSurface, centre: Vector3, motion: &Motion) -> SurfaceLines {
         Line([n.x, n.y, n.z, height, d.x, d.y, d.z, 0.0]),
         Line([a, b, c, e, w.x, w.y, w.z, 0.0]),
     ]
+}
+
+impl WholePlane {
+    /// Its normal on the side of a contact.
+    pub(super) fn outwards(&self, contact: &LoneContact) -> Vector3 {
+        if contact.is_behind {
+            -self.normal
+        } else {
+            self.normal
+        }
+    }
 }
 
 /// See [`LoneContacts::find`].

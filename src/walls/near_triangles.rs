@@ -23,11 +23,14 @@ const SPARE_WITHOUT: f64 = 2.0;
 /// particles do not have all places found anew again and again.
 const LEAST: usize = 4096;
 
+/// Where a mesh is no plane.
+pub(super) const NOT_FLAT: Line = Line(FlatPlace::NONE);
+
 /// Lists of triangles, by the indices of the particles.
 #[derive(Clone, Debug, Default)]
 pub(super) struct NearTriangles {
     places: Vec<Place>,
-    /// The balls in them in which the mesh is a plane, [`FlatPlace::NONE`] where it is not.
+    /// The balls in them in which the mesh is a plane, as numbers of [`FlatPlace`]; [`NOT_FLAT`] where it is none.
     flat: Vec<Line>,
     triangles: Vec<u32>,
     /// How many of them belong to a place.
@@ -71,7 +74,8 @@ impl NearTriangles {
         inside.then(|| &self.triangles[place.from..place.from + place.count])
     }
 
-    /// Where the mesh is a plane, by the indices of the particles, of those that were looked at: lines of [`FlatPlace`].
+    /// Where the mesh is a plane, by the indices of the particles, of those that were looked at: numbers of
+    /// [`FlatPlace`].
     pub fn flat_places(&self) -> &[Line] {
         &self.flat
     }
@@ -97,10 +101,7 @@ impl NearTriangles {
         }
         let needed = Extent::about(centre.to_array(), radius * (REACH + MARGIN));
         let place = self.places.get(particle);
-        let was_plane = self
-            .flat
-            .get(particle)
-            .is_some_and(|f| *f != FlatPlace::NONE);
+        let was_plane = self.flat.get(particle).is_some_and(|f| *f != NOT_FLAT);
         // A plane is worth looking for it again.
         if was_plane || place.is_none_or(|p| !p.extent.contains(&needed)) {
             self.find(particle, (centre, radius), triangles);
@@ -125,12 +126,12 @@ impl NearTriangles {
     ) {
         if self.places.len() <= particle {
             self.places.resize(particle + 1, Place::NONE);
-            self.flat.resize(particle + 1, FlatPlace::NONE);
+            self.flat.resize(particle + 1, NOT_FLAT);
         }
         self.used -= self.places[particle].count;
         if self.triangles.len() > 2 * self.used + LEAST {
             self.places.fill(Place::NONE);
-            self.flat.fill(FlatPlace::NONE);
+            self.flat.fill(NOT_FLAT);
             self.triangles.clear();
             self.used = 0;
         }
@@ -163,6 +164,6 @@ impl NearTriangles {
             let reach = radius * (1.0 + SPARE);
             flat = FlatPlace::find(centre, reach, corners, &mut self.memory);
         }
-        self.flat[particle] = flat.map_or(FlatPlace::NONE, |place| place.line());
+        self.flat[particle] = flat.map_or(NOT_FLAT, |place| Line(place.numbers()));
     }
 }

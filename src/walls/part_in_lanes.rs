@@ -3,16 +3,40 @@
 //! where it is a plane.
 
 use super::cone_in_lanes::TouchedInLanes;
-use super::lone_contacts::{LoneContact, SearchInput};
 use super::motion::Motion;
-use super::shape::{Shape, ShapeInLanes, WholePlane};
+use super::near_triangles::NOT_FLAT;
+use super::shape::{Ball, Shape, ShapeInLanes, WholePlane};
 use crate::contact::vectors_in_lanes::splat;
+use crate::contact::Step;
 use crate::geometry::flat_place::FlatPlace;
 use crate::geometry::ConvexBody;
 use crate::list::shapes::{Kind, Side as SideOfPairs};
+use crate::list::ParticleRecords;
 use crate::real::Real;
 use crate::simd::{put, Lanes, Line, Registers, MOST_LANES};
 use crate::vector::{Tangent, Vector3};
+
+/// What the search is given.
+pub(super) struct SearchInput<'a> {
+    /// The particles that may touch, and their indices.
+    pub(super) near: ParticleRecords<'a>,
+    pub(super) indices: &'a [usize],
+    pub(super) motion: &'a Motion,
+    pub(super) step: &'a Step,
+}
+
+impl SearchInput<'_> {
+    /// The ball that contains a particle, in the frame of the wall.
+    #[inline(always)]
+    pub(super) fn ball<K: Kind>(&self, near: usize) -> Ball {
+        let record = &self.near.records[near];
+        Ball {
+            particle: self.indices[near],
+            centre: self.motion.point_to_wall(record.position()),
+            radius: K::radius(record),
+        }
+    }
+}
 
 /// What the lanes find of a part.
 pub(super) struct FoundInLanes<S: Registers> {
@@ -161,7 +185,7 @@ impl ShapeInLanes {
             }
             ShapeInLanes::PlaneInPlaces { solid } => {
                 let places = shape.flat_places();
-                let mut lines = [&FlatPlace::NONE; MOST_LANES];
+                let mut lines = [&NOT_FLAT; MOST_LANES];
                 for (line, particle) in lines.iter_mut().zip(&input.indices[first..][..present]) {
                     if let Some(place) = places.get(*particle) {
                         *line = place;
@@ -207,15 +231,6 @@ impl ShapeInLanes {
 }
 
 impl WholePlane {
-    /// Its normal on the side of a contact.
-    pub(super) fn outwards(&self, contact: &LoneContact) -> Vector3 {
-        if contact.is_behind {
-            -self.normal
-        } else {
-            self.normal
-        }
-    }
-
     /// Lanes that touch it, those behind it, and the heights of the centres above it.
     #[inline(always)]
     pub(super) fn touch<S: Registers, K: Kind>(

@@ -277,9 +277,8 @@ pub trait Shape: Any + Debug + Send + Sync {
         None
     }
 
-    /// The places in which it is a plane to all that touches there, on the side of each body's centre: lines of
-    /// [`FlatPlace`](crate::geometry::flat_place::FlatPlace) in its frame, by the indices of the particles, of those that were looked at; of a
-    /// [`ShapeInLanes::PlaneInPlaces`] alone.
+    /// The places in which it is a plane to all that touches there, on the side of each body's centre: numbers of `geometry/flat_place.rs` in its
+    /// frame, by the indices of the particles, of those that were looked at; of a [`ShapeInLanes::PlaneInPlaces`] alone.
     fn flat_places(&self) -> &[Line] {
         &[]
     }
