@@ -215,7 +215,7 @@ impl Shape for Mesh {
     }
 
     fn in_lanes(&self) -> Option<ShapeInLanes> {
-        Some(ShapeInLanes::PlaneInPlaces { solid: None })
+        Some(ShapeInLanes::PlaneInPlaces)
     }
 
     fn flat_places(&self) -> &[Line] {

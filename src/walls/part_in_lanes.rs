@@ -142,7 +142,7 @@ impl ShapeInLanes {
             }),
             ShapeInLanes::Cone(side) => ShapeInLanes::Cone(side.in_world(motion)),
             // Its places are known in its own frame.
-            ShapeInLanes::PlaneInPlaces { .. } => *self,
+            ShapeInLanes::PlaneInPlaces => *self,
         }
     }
 
@@ -183,7 +183,7 @@ impl ShapeInLanes {
                     surface: SurfaceInLanes::around(registers, &touched, input.motion),
                 }
             }
-            ShapeInLanes::PlaneInPlaces { solid } => {
+            ShapeInLanes::PlaneInPlaces => {
                 let places = shape.flat_places();
                 let mut lines = [&NOT_FLAT; MOST_LANES];
                 for (line, particle) in lines.iter_mut().zip(&input.indices[first..][..present]) {
@@ -200,8 +200,8 @@ impl ShapeInLanes {
                     way.norm_squared().less(room * room),
                 );
                 let mut known = registers.bits(has_room) & all;
-                if let Some([low, high]) = solid {
-                    known &= !registers.bits(is_within(registers, centre, *low, *high));
+                if let Some([low, high]) = shape.solid_box() {
+                    known &= !registers.bits(is_within(registers, centre, low, high));
                 }
                 let height = place.height_after(way);
                 let zero = height.constant(0.0);

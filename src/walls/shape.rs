@@ -283,6 +283,12 @@ pub trait Shape: Any + Debug + Send + Sync {
         &[]
     }
 
+    /// Least and largest coordinates of the box, in its frame, that it fills, where it is solid: bodies whose centres are there are in none of
+    /// these places.
+    fn solid_box(&self) -> Option<[Vector3; 2]> {
+        None
+    }
+
     /// Its triangles; none for a surface that is not made of them, or that an engine lends.
     fn triangles(&self) -> &[Triangle] {
         &[]
@@ -297,10 +303,7 @@ pub enum ShapeInLanes {
     /// A cylinder or a cone.
     Cone(ConeSide),
     /// To some particles it is a plane ([`Shape::flat_places`]), to others anything.
-    PlaneInPlaces {
-        /// The box, in its frame, in which centres are within it, where none of these places serve.
-        solid: Option<[Vector3; 2]>,
-    },
+    PlaneInPlaces,
 }
 
 /// A plane without an end.

@@ -207,12 +207,15 @@ impl Shape for SolidBlock {
     }
 
     fn in_lanes(&self) -> Option<ShapeInLanes> {
-        let solid = [self.low, self.high].map(Vector3::from_array);
-        Some(ShapeInLanes::PlaneInPlaces { solid: Some(solid) })
+        self.mesh.in_lanes()
     }
 
     fn flat_places(&self) -> &[Line] {
         self.mesh.flat_places()
+    }
+
+    fn solid_box(&self) -> Option<[Vector3; 2]> {
+        Some([self.low, self.high].map(Vector3::from_array))
     }
 
     fn touch(&self, grain: &Grain<'_>, search: &mut Search, found: &mut Found<'_>) {

@@ -264,7 +264,7 @@ impl Wall {
     pub fn whole_plane(&self, part: usize) -> Option<WholePlane> {
         match self.shapes().nth(part)?.in_lanes()? {
             ShapeInLanes::Plane(plane) => Some(plane),
-            ShapeInLanes::Cone(_) | ShapeInLanes::PlaneInPlaces { .. } => None,
+            ShapeInLanes::Cone(_) | ShapeInLanes::PlaneInPlaces => None,
         }
     }
 
