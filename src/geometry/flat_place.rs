@@ -63,7 +63,7 @@ impl<T: Real> FlatPlace<T> {
 
 impl FlatPlace {
     /// The numbers of a place that has nothing.
-    pub const NONE: [f64; 8] = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0];
+    pub(crate) const NONE: [f64; 8] = [0.0, 0.0, 0.0, -1.0, 0.0, 0.0, 1.0, 0.0];
 
     /// Its numbers, as [`FlatPlace::of`] takes them.
     pub fn numbers(&self) -> [f64; 8] {
