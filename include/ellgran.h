@@ -711,9 +711,9 @@ typedef struct EllgranParticles {
   /*
    The workspace of a call of `ellgran_compute_pairs` that succeeded, since which nothing but forces, torques and histories has changed:
    not the particles, their order, poses and motion, and not the time step. `ellgran_compute_wall` then takes from there what was
-   prepared of particles near each other, which costs less than to prepare them again. It may be the call's own workspace; another one
-   must not be in use elsewhere during the call. A particle whose position or velocity is another all the same is prepared again. NULL
-   serves always. Other functions do not read it.
+   prepared of particles near each other, which costs less than to prepare them again; of others near a wall too from the next step on.
+   It may be the call's own workspace; another one must not be in use elsewhere during the call. A particle whose position or velocity is
+   another all the same is prepared again. NULL serves always. Other functions do not read it.
    */
   const struct EllgranWorkspace *prepared_by;
 } EllgranParticles;

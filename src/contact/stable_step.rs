@@ -114,6 +114,8 @@ struct StepSprings {
     stiffness: Matrix,
     damping: Matrix,
     jacobians: [Jacobian; 2],
+    /// By stiffness and by damping: the largest squared frequency or rate of each body alone at the contact; 0 for a fixed one.
+    largest: [[f64; 2]; 2],
 }
 
 /// A contact as the step sees it.
@@ -221,15 +223,13 @@ impl StepContact {
             f64::INFINITY
         };
         Ok(StepContact {
-            force: StepSprings {
-                stiffness: times(springs.stiffness()),
-                damping: times(springs.damping()),
+            force: StepSprings::new(
+                times(springs.stiffness()),
+                times(springs.damping()),
                 jacobians,
-            },
-            couple: springs.turning.map(|[stiffness, damping]| StepSprings {
-                stiffness: times(stiffness),
-                damping: times(damping),
-                jacobians: turning,
+            ),
+            couple: springs.turning.map(|[stiffness, damping]| {
+                StepSprings::new(times(stiffness), times(damping), turning)
             }),
             collision: CollisionThrough {
                 time,
@@ -260,33 +260,51 @@ impl StepContact {
 }
 
 impl StepSprings {
+    fn new(stiffness: Matrix, damping: Matrix, jacobians: [Jacobian; 2]) -> Self {
+        let mobilities = jacobians.each_ref().map(Jacobian::mobility);
+        // A fixed body, whose mobility has no root.
+        let roots = mobilities.map(|m| (m.0[2][2] != 0.0).then(|| m.root()));
+        let largest = [stiffness, damping].map(|matrix| {
+            let nothing = matrix.0.iter().flatten().all(|entry| *entry == 0.0);
+            roots.map(|root| match root {
+                Some(root) if !nothing => matrix.between(&root).largest_eigenvalue(),
+                _ => 0.0,
+            })
+        });
+        StepSprings {
+            stiffness,
+            damping,
+            jacobians,
+            largest,
+        }
+    }
+
     fn add(&self, side: usize, sums: &mut StepSums) {
-        let (stiffnesses, dampings) = sums.split_at_mut(TRIANGLE);
-        for (matrix, triangle) in [(self.stiffness, stiffnesses), (self.damping, dampings)] {
-            let [own, other] = [side, 1 - side].map(|side| {
-                let mobility = self.jacobians[side].mobility();
-                // A fixed body, whose mobility has no root.
-                if mobility.0[2][2] == 0.0 {
-                    return 0.0;
-                }
-                matrix.between(&mobility.root()).largest_eigenvalue()
-            });
+        let rows = &self.jacobians[side].0;
+        for (which, triangle) in sums.chunks_exact_mut(TRIANGLE).enumerate() {
+            let matrix = [&self.stiffness, &self.damping][which];
+            let largest = &self.largest[which];
+            let (own, other) = (largest[side], largest[1 - side]);
             // A fixed body, or no such springs.
             if !(own > 0.0) {
                 continue;
             }
             let weight = 1.0 + (other / own).sqrt();
-            let rows = &self.jacobians[side].0;
+            // The matrix times the rows.
+            let mut sprung = [[0.0; 6]; 3];
+            for (sprung, of_row) in sprung.iter_mut().zip(&matrix.0) {
+                for (k, row) in of_row.iter().zip(rows) {
+                    for (sum, entry) in sprung.iter_mut().zip(row) {
+                        *sum += weight * k * entry;
+                    }
+                }
+            }
             let mut at = 0;
             for a in 0..6 {
                 for b in 0..=a {
-                    let mut entry = 0.0;
-                    for (p, of_row) in matrix.0.iter().enumerate() {
-                        for (q, k) in of_row.iter().enumerate() {
-                            entry += rows[p][a] * k * rows[q][b];
-                        }
+                    for (row, sprung) in rows.iter().zip(&sprung) {
+                        triangle[at] += row[a] * sprung[b];
                     }
-                    triangle[at] += weight * entry;
                     at += 1;
                 }
             }

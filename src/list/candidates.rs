@@ -15,6 +15,7 @@ use crate::geometry::small_motion::{allowed_turn, allowed_turn_per_margin, way_a
 use crate::real::Real;
 use crate::simd::{Lanes, Line, Registers, MOST_LANES};
 use crate::vector::Vector3;
+use core::sync::atomic::{AtomicBool, Ordering};
 
 /// Steps that are expected at first, and at most.
 const FIRST_HORIZON: f64 = 24.0;
@@ -79,7 +80,9 @@ pub(super) struct Candidates {
     pub listed: u64,
     /// Particles that have a candidate, in rising order.
     participants: Vec<u32>,
-    takes_part: Vec<bool>,
+    /// Of which particles a step makes records: of these, and of those that walls have asked for.
+    with_record: Vec<bool>,
+    asked_for: AskedFor,
     expected: Vec<Expected>,
     /// Of each particle the way that is expected in a step, by how much its support function changes as it turns in the time of a step,
     /// square of the largest velocity relative to a neighbour, -1 without one, and by how much a gap may be another than expected.
@@ -101,6 +104,42 @@ pub(super) struct Candidates {
     /// What finding them cost, in units of a lane's computation.
     cost: f64,
     valid: bool,
+}
+
+/// Particles that touch no other, of which somebody else needs records all the same, as walls do: from the next step on they are made with those
+/// of the pairs, for all walls at once. Whoever reads the records may ask: hence the atomic types, which cost nothing here.
+#[derive(Debug, Default)]
+pub(super) struct AskedFor {
+    particles: Vec<AtomicBool>,
+    any: AtomicBool,
+}
+
+impl AskedFor {
+    /// For so many particles, none of which anybody has asked for.
+    fn start(&mut self, count: usize) {
+        self.particles.clear();
+        self.particles.resize_with(count, AtomicBool::default);
+        *self.any.get_mut() = false;
+    }
+
+    /// Asks for one.
+    #[inline(always)]
+    pub fn ask(&self, particle: usize) {
+        if let Some(asked) = self.particles.get(particle) {
+            asked.store(true, Ordering::Relaxed);
+            self.any.store(true, Ordering::Relaxed);
+        }
+    }
+
+    /// Adds those that were asked for.
+    fn hand_over(&mut self, all: &mut [bool]) {
+        if !core::mem::take(self.any.get_mut()) {
+            return;
+        }
+        for (asked, all) in self.particles.iter_mut().zip(all) {
+            *all |= core::mem::take(asked.get_mut());
+        }
+    }
 }
 
 /// What a pair may do while the candidates hold.
@@ -143,16 +182,18 @@ impl Candidates {
         (&mut self.batches, &self.participants)
     }
 
-    /// Of each particle whether it has a candidate; `None` where there are no candidates.
-    pub fn takes_part(&self) -> Option<&[bool]> {
-        self.valid.then_some(&self.takes_part[..])
+    /// Of each particle whether a step makes a record of it, and where to ask for others; `None` where there are no candidates.
+    pub fn with_records(&self) -> Option<(&[bool], &AskedFor)> {
+        self.valid
+            .then_some((&self.with_record[..], &self.asked_for))
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         self.batches.bytes()
             + self.participants.capacity() * core::mem::size_of::<u32>()
-            + self.takes_part.capacity()
+            + self.with_record.capacity()
+            + self.asked_for.particles.capacity()
             + self.expected.capacity() * core::mem::size_of::<Expected>()
             + self.motions.capacity() * core::mem::size_of::<Line>()
     }
@@ -162,8 +203,8 @@ impl Candidates {
         self.valid && self.motions.len() == count
     }
 
-    /// Of the particles from `first` on: those that have the same shape and are where they are allowed to be, and those that take part in a
-    /// candidate. `shapes` are semi-axes, quaternion and anything.
+    /// Of the particles from `first` on: those that have the same shape and are where they are allowed to be, and those of which records are
+    /// made. `shapes` are semi-axes, quaternion and anything.
     #[inline(always)]
     pub fn hold_for<S: Registers>(
         &self,
@@ -199,21 +240,22 @@ impl Candidates {
                 same(registers, shapes[2], column.of(&a[2])),
             ),
         );
-        let mut take_part = 0;
-        for (lane, takes_part) in self.takes_part[first..first + count].iter().enumerate() {
-            take_part |= u32::from(*takes_part) << lane;
+        let mut has_records = 0;
+        for (lane, with_record) in self.with_record[first..first + count].iter().enumerate() {
+            has_records |= u32::from(*with_record) << lane;
         }
-        (registers.bits(registers.and(near, same)), take_part)
+        (registers.bits(registers.and(near, same)), has_records)
     }
 
-    /// Whether a particle is one of a candidate.
+    /// Whether a record is made of a particle.
     #[inline(always)]
-    pub fn has(&self, particle: usize) -> bool {
-        self.takes_part.get(particle).is_some_and(|t| *t)
+    pub fn has_record(&self, particle: usize) -> bool {
+        self.with_record.get(particle).is_some_and(|t| *t)
     }
 
     /// One step more with these candidates; whether they are for it.
     pub fn count_step(&mut self) -> bool {
+        self.asked_for.hand_over(&mut self.with_record);
         self.steps = self.steps.saturating_add(1);
         if self.steps == 1 {
             self.idle = self.batches.idle() as f64;
@@ -414,19 +456,20 @@ impl Candidates {
         self.batches.reserve(listed);
         self.batches.end();
         self.participants.clear();
-        self.takes_part.clear();
-        self.takes_part.resize(self.motions.len(), false);
+        self.with_record.clear();
+        self.with_record.resize(self.motions.len(), false);
         for k in self.batches.particles() {
-            self.takes_part[k as usize] = true;
+            self.with_record[k as usize] = true;
         }
         self.participants.reserve(self.motions.len());
         self.participants.extend(
-            self.takes_part
+            self.with_record
                 .iter()
                 .enumerate()
-                .filter(|(_, takes_part)| **takes_part)
+                .filter(|(_, with_record)| **with_record)
                 .map(|(k, _)| k as u32),
         );
+        self.asked_for.start(self.motions.len());
         self.valid = true;
     }
 }

@@ -5,7 +5,7 @@
 //! done again particle by particle, which finds out what. Particles that are chosen from anywhere are copied into lines first.
 
 use super::arrays::{prepare_one, ParticleArrays, ParticleShapes, Rotation};
-use super::candidates::Candidates;
+use super::candidates::{AskedFor, Candidates};
 use super::records::{prepare_record, Record, Records, Shapes};
 use crate::contact::forces::MotionChange;
 use crate::contact::particle::Particle;
@@ -87,7 +87,7 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
         for k in first + AHEAD..end + AHEAD {
             // Of those that touch nothing no record is made.
             let has_record = match self.candidates {
-                Some(candidates) => candidates.has(k),
+                Some(candidates) => candidates.has_record(k),
                 None => true,
             };
             if has_record {
@@ -118,12 +118,12 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> Prepare<'_, '_, A, I> {
         let x = components(registers, &arrays.positions[first..], count);
         let mut chosen = here;
         if let Some(candidates) = self.candidates {
-            let (hold, take_part) = candidates.hold_for(registers, first, count, x, &shapes);
+            let (hold, with_records) = candidates.hold_for(registers, first, count, x, &shapes);
             if hold & has_shape & here != here {
                 self.outcome.moved = true;
                 return false;
             }
-            chosen = take_part;
+            chosen = with_records;
             if chosen == 0 {
                 return true;
             }
@@ -433,14 +433,19 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> PrepareChosen<'_, '_, A, I> {
 pub(super) struct PreparedForPairs<'a> {
     records: &'a Records,
     /// Particles whose records are those of this step.
-    takes_part: &'a [bool],
+    with_records: &'a [bool],
+    asked_for: &'a AskedFor,
 }
 
 impl<'a> PreparedForPairs<'a> {
-    pub fn new(records: &'a Records, takes_part: &'a [bool]) -> Self {
+    pub fn new(
+        records: &'a Records,
+        (with_records, asked_for): (&'a [bool], &'a AskedFor),
+    ) -> Self {
         PreparedForPairs {
             records,
-            takes_part,
+            with_records,
+            asked_for,
         }
     }
 
@@ -458,14 +463,15 @@ impl<'a> PreparedForPairs<'a> {
             && self.records.changes.is_empty() == arrays.changes.is_empty()
     }
 
-    /// The record of a particle, if there is one that has its position and its velocity.
+    /// The record of a particle, if there is one that has its position and its velocity. If there is none, there will be in the next step.
     #[inline(always)]
     fn record<A: ParticleShapes, I: Fn(usize) -> i64>(
         &self,
         arrays: &ParticleArrays<'_, A, I>,
         k: usize,
     ) -> Option<&'a Record> {
-        if !self.takes_part.get(k).is_some_and(|t| *t) {
+        if !self.with_records.get(k).is_some_and(|t| *t) {
+            self.asked_for.ask(k);
             return None;
         }
         let record = self.records.records.get(k)?;

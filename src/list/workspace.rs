@@ -217,7 +217,8 @@ impl Workspace {
     }
 
     /// Checks the particles `chosen` and prepares records of them, in that order, for the lanes. What the workspace `prepared_by` has prepared
-    /// of them for the pairs of a list, in its last call, is taken from there: the arrays must not have changed since.
+    /// of them for the pairs of a list, in its last call, is taken from there: the arrays must not have changed since. In its next call it
+    /// prepares what was missing, as long as its candidates hold.
     ///
     /// # Errors
     /// As [`Workspace::prepare`].
@@ -236,8 +237,8 @@ impl Workspace {
                 .then_some((&other.records, &other.candidates)),
         };
         let prepared = from
-            .and_then(|(records, candidates)| Some((records, candidates.takes_part()?)))
-            .map(|(records, takes_part)| PreparedForPairs::new(records, takes_part))
+            .and_then(|(records, candidates)| Some((records, candidates.with_records()?)))
+            .map(|(records, with_records)| PreparedForPairs::new(records, with_records))
             .filter(|prepared| prepared.are_of(arrays));
         // Those of the last call, as long as they serve: to look at all of them first would take longer.
         let mut shapes = match &prepared {

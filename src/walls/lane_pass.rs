@@ -10,7 +10,7 @@ use super::contacts::{Frame, Places, Source};
 use super::histories::WallHistoryLayout;
 use super::lone_contacts::{LoneContact, LoneContacts};
 use super::motion::Motion;
-use super::part_in_lanes::{SearchInput, SurfaceInLanes};
+use super::part_in_lanes::{Axes, SearchInput, SurfaceInLanes};
 use super::recalled::EndOfRecord;
 use super::shape::{Shape, ShapeInLanes, WholePlane};
 use super::touching_loads::TouchingLoads;
@@ -301,23 +301,6 @@ struct Sums<S: Registers> {
     torques: [Vector3<Lanes<S>>; 2],
 }
 
-/// A vector of each lane in the frame of a wall that has turned, and back.
-struct Axes<S: Registers>([Vector3<Lanes<S>>; 3]);
-
-impl<S: Registers> Axes<S> {
-    #[inline(always)]
-    fn to_wall(&self, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
-        let [x, y, z] = &self.0;
-        Vector3::new(x.dot(v), y.dot(v), z.dot(v))
-    }
-
-    #[inline(always)]
-    fn to_world(&self, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
-        let [x, y, z] = &self.0;
-        x.scale_add(v.x, y.scale_add(v.y, *z * v.z))
-    }
-}
-
 impl<'i> AddForces<'_, 'i, '_> {
     fn law(&self, contact: &LoneContact) -> &'i PairLaw {
         let particle_type = self.input.near.types[contact.near as usize] as usize;
@@ -370,13 +353,10 @@ impl<'i> AddForces<'_, 'i, '_> {
             forces: [null; 2],
             torques: [null; 2],
         };
-        let axes = match self.input.motion.axes {
-            Some([x, y, z]) if SURFACES => Some(Axes([
-                splat(registers, x),
-                splat(registers, y),
-                splat(registers, z),
-            ])),
-            _ => None,
+        let axes = if SURFACES {
+            Axes::of(registers, self.input.motion)
+        } else {
+            None
         };
         let none = [Line::ZERO; MOST_LANES];
         let mut numbers = Numbers {

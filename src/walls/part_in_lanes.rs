@@ -266,16 +266,40 @@ fn is_within<S: Registers>(
     registers.not(outside)
 }
 
+/// A vector of each lane in the frame of a wall that has turned, and back.
+pub(super) struct Axes<S: Registers>([Vector3<Lanes<S>>; 3]);
+
+impl<S: Registers> Axes<S> {
+    /// Of a wall; `None` where it has not turned.
+    #[inline(always)]
+    pub(super) fn of(registers: S, motion: &Motion) -> Option<Self> {
+        let [x, y, z] = motion.axes?;
+        Some(Axes([
+            splat(registers, x),
+            splat(registers, y),
+            splat(registers, z),
+        ]))
+    }
+
+    #[inline(always)]
+    pub(super) fn to_wall(&self, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
+        let [x, y, z] = &self.0;
+        Vector3::new(x.dot(v), y.dot(v), z.dot(v))
+    }
+
+    #[inline(always)]
+    pub(super) fn to_world(&self, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
+        let [x, y, z] = &self.0;
+        x.scale_add(v.x, y.scale_add(v.y, *z * v.z))
+    }
+}
+
 /// A vector of the world in the frame of a wall ([`Motion::to_wall`]).
 #[inline(always)]
 fn to_wall<S: Registers>(registers: S, motion: &Motion, v: Vector3<Lanes<S>>) -> Vector3<Lanes<S>> {
-    match motion.axes {
+    match Axes::of(registers, motion) {
         None => v,
-        Some([x, y, z]) => Vector3::new(
-            splat(registers, x).dot(v),
-            splat(registers, y).dot(v),
-            splat(registers, z).dot(v),
-        ),
+        Some(axes) => axes.to_wall(v),
     }
 }
 
@@ -286,16 +310,9 @@ fn to_world<S: Registers>(
     motion: &Motion,
     v: Vector3<Lanes<S>>,
 ) -> Vector3<Lanes<S>> {
-    match motion.axes {
+    match Axes::of(registers, motion) {
         None => v,
-        Some([x, y, z]) => {
-            let (x, y, z) = (
-                splat(registers, x),
-                splat(registers, y),
-                splat(registers, z),
-            );
-            x.scale_add(v.x, y.scale_add(v.y, z * v.z))
-        }
+        Some(axes) => axes.to_world(v),
     }
 }
 

@@ -304,6 +304,36 @@ pub fn timing(output: &str) -> Result<Timing> {
     bail!("LAMMPS printed no 'Loop time'")
 }
 
+/// Seconds a step in the quiet intervals of the last run, of which a line each says step and time: four of five took longer. Other work on the
+/// machine makes intervals longer, never shorter: a mean over all of them scatters by far more.
+pub fn quiet_step(output: &str) -> Result<f64> {
+    let lines: Vec<&str> = output.lines().collect();
+    let end = lines
+        .iter()
+        .rposition(|line| line.starts_with("Loop time of") && !line.contains(" for 0 steps "))
+        .context("LAMMPS printed no 'Loop time'")?;
+    let begin = lines[..end]
+        .iter()
+        .rposition(|line| line.split_whitespace().eq(["Step", "CPU"]))
+        .context("LAMMPS printed no 'Step CPU'")?;
+    let points = lines[begin + 1..end]
+        .iter()
+        .filter_map(|line| {
+            let mut words = line.split_whitespace().map(str::parse::<f64>);
+            Some([words.next()?.ok()?, words.next()?.ok()?])
+        })
+        .collect::<Vec<_>>();
+    let mut steps: Vec<f64> = points
+        .windows(2)
+        .map(|pair| (pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0]))
+        .collect();
+    steps.sort_by(f64::total_cmp);
+    steps
+        .get(steps.len() / 5)
+        .copied()
+        .context("LAMMPS printed no two lines with a time")
+}
+
 /// The number after `touching pairs`.
 pub fn touching(output: &str) -> Result<f64> {
     output
@@ -358,6 +388,24 @@ touching pairs 2039.0
         assert!((found.per_grain(found.pair) - 2000.0).abs() < 1e-9);
         assert_eq!(touching(OUTPUT).unwrap(), 2039.0);
         assert!(timing("nothing").is_err());
+    }
+
+    #[test]
+    fn quiet_intervals_count() {
+        let output = |rows: &str| {
+            format!(
+                "Step CPU\n0 0\n10 9\nLoop time of 9 on 1 procs for 10 steps with 5 atoms\n   Step          CPU      \n{rows}\
+                 Loop time of 7 on 1 procs for 50 steps with 5 atoms\nLoop time of 0 on 1 procs for 0 steps with 5 atoms\n"
+            )
+        };
+        // 0.3, 0.2, 0.1, 0.5, 0.6, of which the second smallest
+        let found = quiet_step(&output(
+            "10 0\n20 3\n30 5\nWARNING: of a fix\n40 6\n50 11\n60 17\n",
+        ))
+        .unwrap();
+        assert!((found - 0.2).abs() < 1e-12, "{found}");
+        assert!(quiet_step(&output("10 0\n")).is_err());
+        assert!(quiet_step("nothing").is_err());
     }
 
     #[test]
