@@ -129,7 +129,7 @@ impl<'a> Run<'a> {
             let input = RecordsInput {
                 laws: self.laws,
                 wall_type: 1,
-                near: self.workspace.chosen_records(),
+                near: self.workspace.chosen_records(PreparedBy::Nobody),
                 masses: None,
                 motion: &Motion::REST,
                 step: self.step,

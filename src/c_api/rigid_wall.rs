@@ -786,7 +786,7 @@ pub unsafe extern "C" fn ellgran_compute_wall(
             let input = RecordsInput {
                 laws,
                 wall_type,
-                near: workspace.chosen_records(),
+                near: workspace.chosen_records(prepared_by),
                 masses,
                 motion: &motion,
                 step: &step,

@@ -340,6 +340,7 @@ fn contacts<
         of_step,
         sums,
         shapes,
+        places: _,
     } = particles;
     let shapes = *shapes;
     let records = &records[..];
@@ -364,6 +365,7 @@ fn contacts<
         types,
         inverse_masses,
         changes,
+        elsewhere: None,
         of_step: *of_step,
         shapes,
     };

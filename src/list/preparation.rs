@@ -6,7 +6,7 @@
 
 use super::arrays::{prepare_one, ParticleArrays, ParticleShapes, Rotation};
 use super::candidates::{AskedFor, Candidates};
-use super::records::{prepare_record, Record, Records, Shapes};
+use super::records::{prepare_record, Record, Records, Shapes, OWN};
 use crate::contact::forces::MotionChange;
 use crate::contact::particle::Particle;
 use crate::contact::ranges::{
@@ -463,18 +463,20 @@ impl<'a> PreparedForPairs<'a> {
             && self.records.changes.is_empty() == arrays.changes.is_empty()
     }
 
-    /// The record of a particle, if there is one that has its position and its velocity. If there is none, there will be in the next step.
+    /// Whether there is a record of a particle, with its position and its velocity. If there is none, there will be in the next step.
     #[inline(always)]
-    fn record<A: ParticleShapes, I: Fn(usize) -> i64>(
+    fn has<A: ParticleShapes, I: Fn(usize) -> i64>(
         &self,
         arrays: &ParticleArrays<'_, A, I>,
         k: usize,
-    ) -> Option<&'a Record> {
+    ) -> bool {
         if !self.with_records.get(k).is_some_and(|t| *t) {
             self.asked_for.ask(k);
-            return None;
+            return false;
         }
-        let record = self.records.records.get(k)?;
+        let Some(record) = self.records.records.get(k) else {
+            return false;
+        };
         let [v, _] = record.velocities(self.records.shapes);
         let mut velocity = arrays.velocities[k];
         if let Some(change) = arrays.changes.get(k) {
@@ -482,9 +484,7 @@ impl<'a> PreparedForPairs<'a> {
                 velocity[axis] -= change[axis];
             }
         }
-        let is_same =
-            record.position().to_array() == arrays.positions[k] && v.to_array() == velocity;
-        is_same.then_some(record)
+        record.position().to_array() == arrays.positions[k] && v.to_array() == velocity
     }
 }
 
@@ -531,15 +531,12 @@ impl<A: ParticleShapes, I: Fn(usize) -> i64> PrepareChosenRecords<'_, '_, A, I> 
                 is_sound &= is_mass(mass);
                 *inverse = 1.0 / mass;
             }
-            let prepared = self.prepared.filter(|_| is_sound);
-            if let Some((record, all)) =
-                prepared.and_then(|all| all.record(arrays, k).map(|record| (record, all)))
-            {
-                r.records[n] = *record;
-                if CHANGES {
-                    r.changes[n] = all.records.changes[k];
+            if let Some(prepared) = &self.prepared {
+                let stands_there = is_sound && prepared.has(arrays, k);
+                r.places.push(if stands_there { k as u32 } else { OWN });
+                if stands_there {
+                    continue;
                 }
-                continue;
             }
             chunk.places[chunk.length] = n;
             chunk.copy::<CHANGES, A, I>(arrays, k, self.types);

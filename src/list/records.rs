@@ -195,7 +195,12 @@ pub(super) struct Records {
     pub sums: Vec<Line>,
     /// What the records are made for.
     pub shapes: Shapes,
+    /// Of chosen particles, where their records stand among those that were made for the pairs, or [`OWN`]; empty where all are here.
+    pub places: Vec<u32>,
 }
+
+/// In [`Records::places`]: the record stands here.
+pub(super) const OWN: u32 = u32::MAX;
 
 impl Records {
     /// For `count` particles of these shapes, of which there are at most `most`.
@@ -226,15 +231,22 @@ impl Records {
             reserve(&mut self.changes, most, allocated);
         }
         self.changes.resize(changes, Line::ZERO);
+        self.places.clear();
     }
 
-    /// To be read.
-    pub fn view(&self) -> ParticleRecords<'_> {
+    /// To be read; those that stand elsewhere among the records `of_pairs`.
+    pub fn view<'a>(&'a self, of_pairs: Option<&'a Records>) -> ParticleRecords<'a> {
+        let elsewhere = of_pairs.filter(|_| !self.places.is_empty());
         ParticleRecords {
             records: &self.records,
             types: &self.types,
             inverse_masses: &self.inverse_masses,
             changes: &self.changes,
+            elsewhere: elsewhere.map(|all| Elsewhere {
+                records: &all.records,
+                changes: &all.changes,
+                places: &self.places,
+            }),
             of_step: self.of_step,
             shapes: self.shapes,
         }
@@ -246,6 +258,7 @@ impl Records {
             + self.inverse_masses.capacity() * core::mem::size_of::<f64>()
             + self.changes.capacity() * core::mem::size_of::<Line>()
             + self.sums.capacity() * core::mem::size_of::<Line>()
+            + self.places.capacity() * core::mem::size_of::<u32>()
     }
 }
 
@@ -260,29 +273,65 @@ pub struct ParticleRecords<'a> {
     pub(crate) inverse_masses: &'a [f64],
     /// Empty where the motion of the step is that of the half step, or not known.
     pub(crate) changes: &'a [Line],
+    /// The records and changes that are read instead of those above.
+    pub(super) elsewhere: Option<Elsewhere<'a>>,
     /// Whether forces see velocities of the step.
     pub(crate) of_step: bool,
     /// What the records are made for.
     pub(crate) shapes: Shapes,
 }
 
-impl ParticleRecords<'_> {
+/// Records of other particles too, among which some stand.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Elsewhere<'a> {
+    records: &'a [Record],
+    changes: &'a [Line],
+    /// [`Records::places`].
+    places: &'a [u32],
+}
+
+impl<'a> ParticleRecords<'a> {
+    /// How many particles.
+    #[inline(always)]
+    pub(crate) fn count(&self) -> usize {
+        self.records.len()
+    }
+
+    /// The record of a particle.
+    #[inline(always)]
+    pub(crate) fn record(&self, k: usize) -> &'a Record {
+        match &self.elsewhere {
+            Some(all) if all.places[k] != OWN => &all.records[all.places[k] as usize],
+            _ => &self.records[k],
+        }
+    }
+
+    /// What its motion has more at the step, as the lanes load it; `None` where the motion of the step is that of the half step, or not known.
+    #[inline(always)]
+    pub(crate) fn line_of_change(&self, k: usize) -> Option<&'a Line> {
+        match &self.elsewhere {
+            Some(all) if all.places[k] != OWN => all.changes.get(all.places[k] as usize),
+            _ => self.changes.get(k),
+        }
+    }
+
     /// A particle for the scalar path.
     pub(crate) fn particle(&self, k: usize) -> Particle {
         let inverse_mass = self.inverse_masses.get(k).copied().unwrap_or(0.0);
         let change = self.of_step.then(|| self.change(k));
-        self.records[k].particle(self.shapes, self.types[k], inverse_mass, change)
+        self.record(k)
+            .particle(self.shapes, self.types[k], inverse_mass, change)
     }
 
     /// What the motion of a particle has more at the step.
     pub(super) fn change(&self, k: usize) -> MotionChange {
-        let [x, y, z, a, b, c, ..] = self.changes.get(k).map_or([0.0; 8], |line| line.0);
+        let [x, y, z, a, b, c, ..] = self.line_of_change(k).map_or([0.0; 8], |line| line.0);
         let at_origin = MotionChange {
             velocity: Vector3::new(x, y, z),
             omega: Vector3::new(a, b, c),
         };
         MotionChange {
-            velocity: at_origin.at(self.records[k].position()),
+            velocity: at_origin.at(self.record(k).position()),
             ..at_origin
         }
     }

@@ -423,9 +423,13 @@ impl Workspace {
             + self.contacts.bytes()
     }
 
-    /// The records of [`Workspace::prepare_chosen_records`].
-    pub fn chosen_records(&self) -> ParticleRecords<'_> {
-        self.chosen.view()
+    /// The records of [`Workspace::prepare_chosen_records`], which was told of the same workspace.
+    pub fn chosen_records<'a>(&'a self, prepared_by: PreparedBy<'a>) -> ParticleRecords<'a> {
+        self.chosen.view(match prepared_by {
+            PreparedBy::Nobody => None,
+            PreparedBy::Itself => Some(&self.records),
+            PreparedBy::Other(other) => Some(&other.records),
+        })
     }
 
     /// The particles prepared one at a time.

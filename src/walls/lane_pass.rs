@@ -399,17 +399,18 @@ impl<'i> AddForces<'_, 'i, '_> {
         registers: S,
         next: &mut Next<'i>,
     ) -> Option<(Side<S, K>, Option<SurfaceInLanes<S>>, usize)> {
-        let records = self.input.near.records;
+        let input = self.input;
+        let near = &input.near;
         while let Some((part, shape)) = self.only {
             let first = next.near;
-            if first == records.len() {
+            if first == near.count() {
                 break;
             }
-            let present = S::LANES.min(records.len() - first);
+            let present = S::LANES.min(near.count() - first);
             next.near += present;
-            let mut of_lanes = [&records[first]; MOST_LANES];
-            for lane in 0..present {
-                of_lanes[lane] = &records[first + lane];
+            let mut of_lanes = [near.record(first); MOST_LANES];
+            for lane in 1..present {
+                of_lanes[lane] = near.record(first + lane);
             }
             let side = K::load(registers, &of_lanes);
             let (touching, unsure, behind, surface) = if SURFACES {
@@ -470,9 +471,9 @@ impl<'i> AddForces<'_, 'i, '_> {
         next.index = first;
         next.of_list += count;
         next.taken = (1 << count) - 1;
-        let mut of_lanes = [&records[0]; MOST_LANES];
+        let mut of_lanes = [near.record(next.contacts[0].near as usize); MOST_LANES];
         for (lane, record) in of_lanes[..S::LANES].iter_mut().enumerate() {
-            *record = &records[next.contacts[lane.min(count - 1)].near as usize];
+            *record = near.record(next.contacts[lane.min(count - 1)].near as usize);
         }
         Some((K::load(registers, &of_lanes), None, count))
     }
@@ -946,10 +947,12 @@ fn change_of<S: Registers>(
         omega: null,
     };
     if !near.changes.is_empty() {
-        let mut changes = [&near.changes[contacts[0].near as usize]; MOST_LANES];
+        let mut changes = [&Line::ZERO; MOST_LANES];
         for lane in 0..S::LANES {
             let contact = &contacts[lane.min(contacts.len() - 1)];
-            changes[lane] = &near.changes[contact.near as usize];
+            if let Some(change) = near.line_of_change(contact.near as usize) {
+                changes[lane] = change;
+            }
         }
         let c = Lanes::all(registers, registers.columns(&changes));
         own.velocity = Vector3::new(c[0], c[1], c[2]);

@@ -272,14 +272,14 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Stage for Find<'_, '_, I> {
 impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
     #[inline(always)]
     fn find<S: Registers, K: Kind>(self, registers: S) {
-        let records = self.places.near.records;
+        let near = &self.places.near;
         let found = self.contacts;
         let with_surfaces = found.planes.is_empty();
-        for first in (0..records.len()).step_by(S::LANES) {
-            let present = S::LANES.min(records.len() - first);
-            let mut of_lanes = [&records[first]; MOST_LANES];
-            for lane in 0..present {
-                of_lanes[lane] = &records[first + lane];
+        for first in (0..near.count()).step_by(S::LANES) {
+            let present = S::LANES.min(near.count() - first);
+            let mut of_lanes = [near.record(first); MOST_LANES];
+            for lane in 1..present {
+                of_lanes[lane] = near.record(first + lane);
             }
             let side = K::load(registers, &of_lanes);
             let all = (1u32 << present) - 1;

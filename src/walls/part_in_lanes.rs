@@ -29,7 +29,7 @@ impl SearchInput<'_> {
     /// The ball that contains a particle, in the frame of the wall.
     #[inline(always)]
     pub(super) fn ball<K: Kind>(&self, near: usize) -> Ball {
-        let record = &self.near.records[near];
+        let record = self.near.record(near);
         Ball {
             particle: self.indices[near],
             centre: self.motion.point_to_wall(record.position()),

@@ -114,7 +114,7 @@ impl Scene {
                 let input = RecordsInput {
                     laws,
                     wall_type: 1,
-                    near: workspace.chosen_records(),
+                    near: workspace.chosen_records(PreparedBy::Nobody),
                     masses,
                     motion,
                     step: &STEP,
