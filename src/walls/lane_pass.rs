@@ -409,8 +409,8 @@ impl<'i> AddForces<'_, 'i, '_> {
             let present = S::LANES.min(near.count() - first);
             next.near += present;
             let mut of_lanes = [near.record(first); MOST_LANES];
-            for lane in 1..present {
-                of_lanes[lane] = near.record(first + lane);
+            for (lane, record) in of_lanes[..present].iter_mut().enumerate() {
+                *record = near.record(first + lane);
             }
             let side = K::load(registers, &of_lanes);
             let (touching, unsure, behind, surface) = if SURFACES {

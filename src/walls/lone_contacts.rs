@@ -278,8 +278,8 @@ impl<'s, I: Iterator<Item = &'s dyn Shape> + Clone> Find<'_, '_, I> {
         for first in (0..near.count()).step_by(S::LANES) {
             let present = S::LANES.min(near.count() - first);
             let mut of_lanes = [near.record(first); MOST_LANES];
-            for lane in 1..present {
-                of_lanes[lane] = near.record(first + lane);
+            for (lane, record) in of_lanes[..present].iter_mut().enumerate() {
+                *record = near.record(first + lane);
             }
             let side = K::load(registers, &of_lanes);
             let all = (1u32 << present) - 1;
