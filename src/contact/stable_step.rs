@@ -281,9 +281,9 @@ impl StepSprings {
 
     fn add(&self, side: usize, sums: &mut StepSums) {
         let rows = &self.jacobians[side].0;
-        for (which, triangle) in sums.chunks_exact_mut(TRIANGLE).enumerate() {
-            let matrix = [&self.stiffness, &self.damping][which];
-            let largest = &self.largest[which];
+        let matrices = [&self.stiffness, &self.damping];
+        let triangles = sums.chunks_exact_mut(TRIANGLE);
+        for ((matrix, largest), triangle) in matrices.iter().zip(&self.largest).zip(triangles) {
             let (own, other) = (largest[side], largest[1 - side]);
             // A fixed body, or no such springs.
             if !(own > 0.0) {

@@ -253,7 +253,7 @@ impl Candidates {
         self.with_record.get(particle).is_some_and(|t| *t)
     }
 
-    /// One step more with these candidates; whether they are for it.
+    /// One step more with these candidates, in which records are made of what was asked for too; whether they are for it.
     pub fn count_step(&mut self) -> bool {
         self.asked_for.hand_over(&mut self.with_record);
         self.steps = self.steps.saturating_add(1);

@@ -235,8 +235,15 @@ impl Records {
     }
 
     /// To be read; those that stand elsewhere among the records `of_pairs`.
+    ///
+    /// # Panics
+    /// Some stand elsewhere, and nothing is said of where.
     pub fn view<'a>(&'a self, of_pairs: Option<&'a Records>) -> ParticleRecords<'a> {
         let elsewhere = of_pairs.filter(|_| !self.places.is_empty());
+        assert!(
+            self.places.is_empty() || elsewhere.is_some(),
+            "records that stand with those of the pairs are asked for without them"
+        );
         ParticleRecords {
             records: &self.records,
             types: &self.types,

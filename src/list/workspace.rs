@@ -424,6 +424,9 @@ impl Workspace {
     }
 
     /// The records of [`Workspace::prepare_chosen_records`], which was told of the same workspace.
+    ///
+    /// # Panics
+    /// That was told of one, and this is not.
     pub fn chosen_records<'a>(&'a self, prepared_by: PreparedBy<'a>) -> ParticleRecords<'a> {
         self.chosen.view(match prepared_by {
             PreparedBy::Nobody => None,
